@@ -1,0 +1,1 @@
+#include "shared/pitch/pitch_model.h"

@@ -1,0 +1,82 @@
+# One CMake target a folder, with explicit links.
+#
+#   touchline_library(shared/geometry SOURCES a.cc PUBLIC touchline::shared_base PRIVATE Ceres::ceres)
+#   touchline_program(touchline-edge SOURCES main.cc LINKS touchline::edge_pipeline)
+#   touchline_test(unit_geometry LABELS unit SOURCES a_test.cc LINKS touchline::shared_geometry)
+#
+# A library's target is its folder with '/' turned into '_', and touchline:: before it.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+
+find_program(TOUCHLINE_CCACHE ccache)
+if(TOUCHLINE_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${TOUCHLINE_CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${TOUCHLINE_CCACHE}")
+endif()
+
+# What every target of ours is compiled with. Eigen's alignment is pinned so that objects may cross into Debian's
+# libraries (built for SSE2) whatever instruction set ours are built for.
+add_library(touchline_flags INTERFACE)
+target_include_directories(touchline_flags INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(touchline_flags INTERFACE -march=x86-64-v3 -Wall -Wextra -Wpedantic -Wshadow
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast -Wimplicit-fallthrough -Werror)
+target_compile_definitions(touchline_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_DONT_PARALLELIZE)
+target_link_libraries(touchline_flags INTERFACE Threads::Threads)
+if(TOUCHLINE_SANITIZE STREQUAL "address")
+  add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=address,undefined)
+elseif(TOUCHLINE_SANITIZE STREQUAL "thread")
+  add_compile_options(-fsanitize=thread -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=thread)
+endif()
+
+function(touchline_library folder)
+  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  string(REPLACE "/" "_" name "${folder}")
+  if(arg_SOURCES)
+    add_library(${name} STATIC ${arg_SOURCES})
+    target_link_libraries(${name} PUBLIC touchline_flags Eigen3::Eigen ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE touchline_flags Eigen3::Eigen ${arg_PUBLIC})
+  endif()
+  add_library(touchline::${name} ALIAS ${name})
+endfunction()
+
+function(touchline_program name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE touchline_flags ${arg_LINKS})
+endfunction()
+
+# A GoogleTest program, one a folder; every TEST becomes a CTest of its own with the labels given.
+function(touchline_test name)
+  if(NOT TOUCHLINE_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;LABELS" ${ARGN})
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE touchline_flags ${arg_LINKS} GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" DISCOVERY_MODE PRE_TEST
+    TEST_PREFIX "${name}." PROPERTIES LABELS "${arg_LABELS}")
+endfunction()
+
+function(touchline_bench name)
+  if(NOT TOUCHLINE_BENCHES)
+    return()
+  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS" ${ARGN})
+  find_package(benchmark REQUIRED)
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE touchline_flags ${arg_LINKS} benchmark::benchmark benchmark::benchmark_main)
+endfunction()
