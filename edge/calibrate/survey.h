@@ -1,0 +1,64 @@
+// The mount and lens of a camera from pictures of the pitch alone (chapter 4.2, "Initial Estimation
+// of Camera Position"): one position common to all stills of a head, solved jointly with levelling,
+// principal point, lens over zoom, and each still's pan, tilt and focal length.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "edge/calibrate/cold_start.h"
+#include "edge/calibrate/hough_initialiser.h"
+#include "edge/calibrate/line_map.h"
+#include "edge/calibrate/side.h"
+#include "shared/base/result.h"
+#include "shared/geometry/camera_estimate.h"
+#include "shared/geometry/mount.h"
+#include "shared/image/frame.h"
+#include "shared/pitch/pitch_model.h"
+
+namespace touchline::calibrate {
+
+struct SurveyOptions {
+  LineMapOptions line_map;
+  ColdStartOptions cold_start;
+  InitialiseOptions initialise;
+  int least_stills = 4;             // stills that must be solved
+  double principal_prior_px = 10;   // sigma of the principal point round the middle of the picture
+  double level_prior_deg = 0.5;     // sigma of the head's levelling
+  double roll_prior_deg = 0.02;     // sigma of roll beyond levelling, of a head
+  double fixed_roll_prior_deg = 2;  // sigma of roll of a camera that does not move
+  double shift_prior =
+      0.02;            // sigma of the lens's shift at the picture corner, share of the radius
+  int lens_knots = 4;  // over the log focal range of the stills
+  double point_sigma_px = 0.25;  // of a measured line point
+  double most_rms_px = 1.2;      // beyond this the lines do not fit the stated pitch, at 1080 lines
+  int rounds = 4;                // measure and solve, alternating
+
+  base::Status validate() const;
+};
+
+struct SurveyResult {
+  geometry::Mount mount;
+  std::vector<geometry::CameraEstimate> stills;  // one a still, in order; lost where not solved
+  double rms_px = 0;                             // over all line points
+  int solved = 0;                                // stills
+  int points = 0;                                // line points of the last solution
+  int iterations = 0;
+  std::vector<double> still_rms_px;  // one a still; 0 where not solved
+  std::string stopped_because;
+};
+
+// 4 to 32 stills of a head with pan, tilt and zoom, all from one position. Errors: kNumerical when
+// too few stills can be solved, or when the lines do not fit the stated pitch sizes.
+base::Result<SurveyResult> survey(std::span<const image::Frame> stills,
+                                  const pitch::PitchModel& pitch, Side side,
+                                  const SurveyOptions& options);
+
+// 1 to 64 frames of a camera that does not move: position, rotation, focal length, lens. Its pose
+// is stills[i] (all the same), and as a mount: levelling 0, one lens knot.
+base::Result<SurveyResult> survey_fixed(std::span<const image::Frame> frames,
+                                        const pitch::PitchModel& pitch, Side side,
+                                        const SurveyOptions& options);
+
+}  // namespace touchline::calibrate
