@@ -111,8 +111,8 @@ TEST(Architecture, StagesNeverIncludeEachOther) {
 }
 
 TEST(Architecture, SharedLayersIncludeOnlyDownward) {
-  const std::vector<std::string> order = {"base", "geometry",  "pitch",  "image",  "codec",
-                                          "wire", "recording", "config", "runtime"};
+  const std::vector<std::string> order = {"base",  "config", "geometry",  "pitch",  "image",
+                                          "codec", "wire",   "recording", "runtime"};
   const auto rank = [&](const std::string& folder) {
     return std::find(order.begin(), order.end(), folder) - order.begin();
   };
