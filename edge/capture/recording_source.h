@@ -1,0 +1,54 @@
+// One camera of a recording as a frame source.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "edge/capture/frame_source.h"
+#include "shared/base/ids.h"
+#include "shared/recording/recording.h"
+#include "shared/recording/video_reader.h"
+#include "shared/runtime/clock.h"
+
+namespace touchline::capture {
+
+enum class Pace : std::uint8_t {
+  kFast,  // as fast as frames are taken
+  kReal,  // at the distances of their media times, from the first call on
+};
+
+struct RecordingSourceOptions {
+  Pace pace = Pace::kFast;
+  // Decoding threads, 1..64.
+  int thread_count = 1;
+
+  base::Status validate() const;
+};
+
+class RecordingSource final : public FrameSource {
+ public:
+  // kNotFound names the cameras there are. `clock` serves Pace::kReal and outlives the source.
+  static base::Result<std::unique_ptr<RecordingSource>> open(
+      const recording::Recording& recording, const base::CameraId& camera, std::uint32_t epoch,
+      runtime::Clock& clock, const RecordingSourceOptions& options = {});
+
+  base::Result<std::optional<image::FramePtr>> next(std::stop_token stop) override;
+
+ private:
+  struct Origin {
+    std::chrono::nanoseconds clock;
+    base::MediaTime media;
+  };
+
+  RecordingSource(recording::VideoReader reader, runtime::Clock& clock, Pace pace)
+      : reader_(std::move(reader)), clock_(clock), pace_(pace) {}
+
+  recording::VideoReader reader_;
+  runtime::Clock& clock_;
+  const Pace pace_;
+  std::optional<Origin> origin_;
+};
+
+}  // namespace touchline::capture
