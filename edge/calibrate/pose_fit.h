@@ -16,11 +16,11 @@
 namespace touchline::calibrate {
 
 struct PoseFitOptions {
-  // Standard deviations of the prediction where its covariance is zero.
+  // Standard deviations of the prior where its covariance is zero.
   double pan_sd_deg = 0.5;
   double tilt_sd_deg = 0.3;
   double log_focal_sd = 0.03;
-  // Roll of the optical axis in the head's frame: known up to this, whatever the prediction says.
+  // Roll of the optical axis in the head's frame: known up to this, whatever the prior says.
   double roll_mean_deg = 0;
   double roll_sd_deg = 0.02;
   // 0 = held at the mount; else fitted with this standard deviation round the mount.
@@ -61,10 +61,12 @@ struct PoseFit {
   int markings = 0;  // with at least three line points
 };
 
-// `predicted` is the camera for which `points` were measured; its covariance of pan, tilt and log f
-// is the prior. Deterministic. Options must be valid.
+// `prior` is what was known before this frame (its covariance of pan, tilt and log f says how
+// well); `start` is where the fit begins, best the camera for which `points` were measured.
+// Deterministic. Options must be valid.
 PoseFit fit_pose(std::span<const LinePoint> points, const geometry::Mount& mount,
-                 const geometry::CameraEstimate& predicted, const PoseFitOptions& options);
+                 const geometry::CameraEstimate& prior, const geometry::CameraEstimate& start,
+                 const PoseFitOptions& options);
 
 // Head pose of a camera on a mount: the inverse of geometry::cam_from_world for its rotation.
 geometry::HeadPose head_pose(const geometry::Mount& mount, const geometry::CameraEstimate& camera);

@@ -1,0 +1,44 @@
+// The image of a point as a function of everything that a pose fit may change, with derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "shared/geometry/mount.h"
+
+namespace touchline::calibrate {
+
+// pan, tilt, roll (radians, in the head's frame), log focal length, k1 and k2 beyond the mount's
+// lens, position beyond the mount's (metres): the order of CameraEstimate's covariance.
+using PoseVector = Eigen::Matrix<double, 9, 1>;
+
+class PoseModel {
+ public:
+  PoseModel(const geometry::Mount& mount, const PoseVector& pose);
+
+  const PoseVector& pose() const { return pose_; }
+  geometry::CameraModel camera_model() const { return model_; }
+  geometry::Rigid3 cam_from_world() const;
+
+  // Pixel of a world point and its derivative by the pose; none behind the camera or beyond the
+  // fold.
+  struct Image {
+    Eigen::Vector2d pixel;
+    Eigen::Matrix<double, 2, 9> by_pose;
+  };
+  std::optional<Image> project(const Eigen::Vector3d& point_in_world) const;
+
+ private:
+  PoseVector pose_;
+  geometry::CameraModel model_;
+  Eigen::Matrix3d cam_from_world_;
+  Eigen::Vector3d position_;   // of the mount, in world
+  Eigen::Vector3d up_in_cam_;  // the head's vertical
+  Eigen::Vector2d tilt_axis_;  // of the camera's x and y: the head's horizontal, after roll
+  double pupil_offset_;
+  double fold_;
+  double k1_by_log_focal_;
+  double k2_by_log_focal_;
+};
+
+}  // namespace touchline::calibrate

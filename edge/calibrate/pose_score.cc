@@ -1,0 +1,302 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "edge/calibrate/pose_score_internal.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kLeastVisibleWidthPx = 0.9;  // paint thinner than this counts less
+constexpr double kOffTurfWeight = 0.4;        // a predicted line where no turf is may be hidden
+constexpr float kLeastAlong = 0.30F;  // sine between a ridge and a marking that still agree
+
+// Projection in single precision for scoring.
+struct FastCamera {
+  Eigen::Matrix3f rotation;
+  Eigen::Vector3f translation;
+  float f, cx, cy, k1, k2, width, height, fold;
+
+  explicit FastCamera(const Pose& pose)
+      : rotation(pose.rotation.cast<float>()),
+        translation((-(pose.rotation * pose.position)).cast<float>()),
+        f(static_cast<float>(pose.model.fx)),
+        cx(static_cast<float>(pose.model.cx)),
+        cy(static_cast<float>(pose.model.cy)),
+        k1(static_cast<float>(pose.model.k1)),
+        k2(static_cast<float>(pose.model.k2)),
+        width(static_cast<float>(pose.model.width)),
+        height(static_cast<float>(pose.model.height)),
+        fold(static_cast<float>(std::min(pose.model.fold_radius_squared(), 1e6))) {}
+
+  // Pixel of a point and the image of a unit tangent there, pixels a metre.
+  bool project(const Eigen::Vector3f& point, const Eigen::Vector3f& tangent, Eigen::Vector2f& pixel,
+               Eigen::Vector2f& along, float& depth) const {
+    const Eigen::Vector3f p = rotation * point + translation;
+    if (p.z() < 1.0F) return false;
+    const float inverse = 1 / p.z();
+    const float x = p.x() * inverse;
+    const float y = p.y() * inverse;
+    const float r2 = x * x + y * y;
+    if (r2 >= fold) return false;
+    const float d = 1 + r2 * (k1 + k2 * r2);
+    pixel = {f * d * x + cx, f * d * y + cy};
+    if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > width - 1 || pixel.y() > height - 1)
+      return false;
+    const Eigen::Vector3f t = rotation * tangent;
+    along = {f * inverse * (t.x() - x * t.z()), f * inverse * (t.y() - y * t.z())};
+    depth = p.z();
+    return true;
+  }
+};
+
+struct Tally {
+  double predicted = 0;
+  double confirmed = 0;
+  double matched_px = 0;
+  double seen_m = 0;
+  double squares = 0;
+  double weights = 0;
+  std::array<double, 6> by_direction{};  // confirmed length by image direction, 30 degrees each
+};
+
+Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+            double tolerance_px) {
+  const FastCamera camera(pose);
+  const float tolerance = static_cast<float>(tolerance_px);
+  Tally sum;
+  Eigen::Vector2f pixel, along;
+  float depth = 0;
+  for (const MarkingSamples::Sample& sample : samples.samples) {
+    if (!camera.project(sample.point, sample.tangent, pixel, along, depth)) continue;
+    const float length = along.norm() * sample.step;
+    // Paint across the line of sight is foreshortened by the height over the distance; the same
+    // factor that shortens a tangent along it. A bound from both is enough here.
+    const float paint =
+        sample.width * camera.f / depth *
+        std::max(0.15F, std::min(1.0F, static_cast<float>(pose.position.z()) / depth * 1.2F +
+                                           std::abs(along.y()) / (along.norm() + 1e-6F)));
+    const float visible = std::min(1.0F, paint / static_cast<float>(kLeastVisibleWidthPx));
+    double weight = std::min(length, 60.0F) * visible;
+    const int at = map.nearest_to(pixel.cast<double>());
+    bool hit = false;
+    if (at >= 0) {
+      const RidgePoint& ridge = map.points[static_cast<std::size_t>(at)];
+      const float across = ridge.normal.dot(pixel - ridge.position);
+      const Eigen::Vector2f ridge_along(-ridge.normal.y(), ridge.normal.x());
+      const float beyond = std::abs(ridge_along.dot(pixel - ridge.position));
+      if (std::abs(across) < tolerance && beyond < tolerance + 8 &&
+          std::abs(ridge.normal.dot(along)) < kLeastAlong * along.norm()) {
+        hit = true;
+        const double share = 1 - static_cast<double>(across * across) / (tolerance_px * tolerance_px);
+        sum.confirmed += weight * share;
+        sum.matched_px += std::max(std::abs(along.x()), std::abs(along.y())) * sample.step * share;
+        sum.seen_m += sample.step;
+        sum.squares += weight * across * across;
+        sum.weights += weight;
+        double angle = std::atan2(along.y(), along.x()) / 3.14159265358979 * 6;
+        if (angle < 0) angle += 6;
+        sum.by_direction[static_cast<std::size_t>(angle) % 6] += length;
+      }
+    }
+    if (!hit && !map.on_turf(pixel.cast<double>())) weight *= kOffTurfWeight;
+    sum.predicted += weight;
+  }
+  return sum;
+}
+
+PoseScore from_tally(const Tally& sum) {
+  PoseScore score;
+  if (sum.predicted > 0) score.confirmed = sum.confirmed / sum.predicted;
+  score.seen_m = sum.seen_m;
+  if (sum.weights > 0) score.rms_px = std::sqrt(sum.squares / sum.weights);
+  for (const double length : sum.by_direction)
+    if (length > 40) ++score.directions;
+  return score;
+}
+
+// Nearest point of a marking's centre line in plan.
+double foot(const pitch::Marking& marking, const Eigen::Vector2d& p, double& squared) {
+  double along = 0;
+  if (marking.shape == pitch::MarkingShape::kLine) {
+    const Eigen::Vector2d d = marking.end - marking.start;
+    const double length = d.norm();
+    along = std::clamp((p - marking.start).dot(d) / std::max(length, 1e-9), 0.0, length);
+  } else {
+    double angle = std::atan2(p.y() - marking.centre.y(), p.x() - marking.centre.x());
+    constexpr double kTurn = 6.283185307179586;
+    while (angle < marking.start_angle) angle += kTurn;
+    while (angle > marking.start_angle + kTurn) angle -= kTurn;
+    if (angle > marking.end_angle) {
+      const double over = angle - marking.end_angle;
+      const double under = marking.start_angle + kTurn - angle;
+      angle = over < under ? marking.end_angle : marking.start_angle;
+    }
+    along = (angle - marking.start_angle) * marking.radius;
+  }
+  squared = (marking.at(along) - p).squaredNorm();
+  return along;
+}
+
+bool through_goal(const pitch::PitchModel& pitch, const Eigen::Vector3d& origin,
+                  const Eigen::Vector3d& direction) {
+  for (const double side : {-1.0, 1.0}) {
+    const double line = 0.5 * pitch.length_m;
+    const double x0 = side > 0 ? line - 0.5 : -line - 3.0;
+    const Eigen::Vector3d low(x0, -0.5 * pitch.goal_width_m - 0.5, -0.6);
+    const Eigen::Vector3d high(x0 + 3.5, 0.5 * pitch.goal_width_m + 0.5, pitch.goal_height_m + 0.3);
+    double enter = 0;
+    double leave = 1e9;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = direction[axis];
+      if (std::abs(d) < 1e-12) {
+        if (origin[axis] < low[axis] || origin[axis] > high[axis]) leave = -1;
+        continue;
+      }
+      const double a = (low[axis] - origin[axis]) / d;
+      const double b = (high[axis] - origin[axis]) / d;
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (enter < leave) return true;
+  }
+  return false;
+}
+
+PointOnMarking match_on_ground(const pitch::PitchModel& pitch, const Pose& pose,
+                               const RidgePoint& point, const Eigen::Vector2d& ground,
+                               double tolerance_px) {
+  PointOnMarking best;
+  double least = tolerance_px;
+  for (std::size_t i = 0; i < pitch.markings.size(); ++i) {
+    const pitch::Marking& marking = pitch.markings[i];
+    if (marking.shape == pitch::MarkingShape::kSpot) continue;
+    double squared = 0;
+    const double along = foot(marking, ground, squared);
+    if (squared > 25.0) continue;
+    const Eigen::Vector3d world = pitch.on_turf(marking.at(along));
+    const Eigen::Vector3d p = pose.rotation * (world - pose.position);
+    const std::optional<Eigen::Vector2d> pixel = pose.model.project(p);
+    if (!pixel) continue;
+    const Eigen::Vector2d tangent = marking.tangent(along);
+    const Eigen::Vector3d t = pose.rotation * Eigen::Vector3d(tangent.x(), tangent.y(), 0);
+    Eigen::Vector2d direction(t.x() - p.x() / p.z() * t.z(), t.y() - p.y() / p.z() * t.z());
+    direction.normalize();
+    if (std::abs(direction.dot(point.normal.cast<double>())) > double{kLeastAlong}) continue;
+    const Eigen::Vector2d off = point.position.cast<double>() - *pixel;
+    const double across = -direction.y() * off.x() + direction.x() * off.y();
+    // Along the line a foot at the marking's end may be off by as much again.
+    const double beyond = std::abs(direction.dot(off));
+    const double at_end = along <= 0 || along >= marking.length() ? beyond : 0;
+    const double distance = std::max(std::abs(across), at_end);
+    if (distance < least) {
+      least = distance;
+      best.marking = static_cast<int>(i);
+      best.distance = along;
+      best.across_px = across;
+    }
+  }
+  return best;
+}
+
+std::optional<Eigen::Vector3d> cast_on_turf(const pitch::PitchModel& pitch, const Pose& pose,
+                                            const Eigen::Vector2d& pixel,
+                                            Eigen::Vector3d& direction) {
+  direction = pose.rotation.transpose() * pose.model.unproject(pixel);
+  return pitch::intersect_turf(pitch, pose.position, direction);
+}
+
+}  // namespace
+
+MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m) {
+  MarkingSamples result;
+  for (std::size_t i = 0; i < pitch.markings.size(); ++i) {
+    const pitch::Marking& marking = pitch.markings[i];
+    if (marking.shape == pitch::MarkingShape::kSpot) continue;
+    const double length = marking.length();
+    const double spacing = std::min(spacing_m, std::max(0.1, length / 4));
+    const int count = std::max(2, static_cast<int>(std::lround(length / spacing)));
+    for (int k = 0; k < count; ++k) {
+      const double at = (k + 0.5) * length / count;
+      const Eigen::Vector2d p = marking.at(at);
+      const Eigen::Vector2d t = marking.tangent(at);
+      MarkingSamples::Sample sample;
+      sample.point = pitch.on_turf(p).cast<float>();
+      const double slope =
+          (pitch.turf_z(p.y() + 0.5 * t.y()) - pitch.turf_z(p.y() - 0.5 * t.y()));
+      sample.tangent = Eigen::Vector3d(t.x(), t.y(), slope).normalized().cast<float>();
+      // A dashed line is painted over part of its length only: it may be missing where it is
+      // predicted, and counts less.
+      sample.step = static_cast<float>(length / count * (marking.dashed ? 0.4 : 1.0));
+      sample.width = static_cast<float>(marking.width);
+      sample.marking = static_cast<int>(i);
+      result.samples.push_back(sample);
+    }
+  }
+  return result;
+}
+
+PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                     double tolerance_px) {
+  const Tally sum = tally(map, samples, pose, tolerance_px);
+  PoseScore score = from_tally(sum);
+  if (!map.points.empty())
+    score.explained = std::min(1.0, sum.matched_px / static_cast<double>(map.points.size()));
+  return score;
+}
+
+PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
+                      const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
+                      int most_points) {
+  PoseScore score = from_tally(tally(map, samples, pose, tolerance_px));
+  const std::size_t stride =
+      std::max<std::size_t>(1, map.points.size() / static_cast<std::size_t>(most_points));
+  const double length = 0.5 * pitch.length_m + pitch.in_goal_m + 1.5;
+  const double width = 0.5 * pitch.width_m + 1.5;
+  double all = 0;
+  double explained = 0;
+  for (std::size_t i = 0; i < map.points.size(); i += stride) {
+    const RidgePoint& point = map.points[i];
+    Eigen::Vector3d direction;
+    const auto ground = cast_on_turf(pitch, pose, point.position.cast<double>(), direction);
+    if (!ground) continue;
+    const double weight = double{point.contrast} / (double{point.contrast} + 60.0);
+    const PointOnMarking match =
+        match_on_ground(pitch, pose, point, ground->head<2>(), tolerance_px);
+    if (match.marking >= 0) {
+      all += weight;
+      explained += weight;
+      continue;
+    }
+    if (std::abs(ground->x()) > length || std::abs(ground->y()) > width) continue;
+    if (through_goal(pitch, pose.position, direction)) continue;
+    all += weight;
+  }
+  if (all > 0) score.explained = explained / all;
+  return score;
+}
+
+PointOnMarking match_point(const pitch::PitchModel& pitch, const Pose& pose,
+                           const RidgePoint& point, double tolerance_px) {
+  Eigen::Vector3d direction;
+  const auto ground = cast_on_turf(pitch, pose, point.position.cast<double>(), direction);
+  if (!ground) return {};
+  return match_on_ground(pitch, pose, point, ground->head<2>(), tolerance_px);
+}
+
+double picture_distance(const Pose& a, const Pose& b) {
+  double most = 0;
+  for (const double x : {0.0, 0.5, 1.0}) {
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d pixel(x * (a.model.width - 1), y * (a.model.height - 1));
+      const Eigen::Vector3d ray = b.rotation * (a.rotation.transpose() * a.model.unproject(pixel));
+      const auto other = b.model.project(ray);
+      if (!other) return std::numeric_limits<double>::infinity();
+      most = std::max(most, (*other - pixel).norm());
+    }
+  }
+  return most;
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,85 @@
+// How well a camera fits the ridge points of a picture, and the local refinement of such a camera.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "edge/calibrate/line_map.h"
+#include "shared/geometry/camera_model.h"
+#include "shared/geometry/mount.h"
+#include "shared/pitch/pitch_model.h"
+
+namespace touchline::calibrate {
+
+// A camera while it is searched for.
+struct Pose {
+  geometry::CameraModel model;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // cam_from_world
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();      // in world
+};
+
+// Points along the centre lines of all markings but spots, as arrays of their coordinates.
+struct MarkingSamples {
+  struct Sample {
+    Eigen::Vector3f point;    // in world, on the turf
+    Eigen::Vector3f tangent;  // unit, along the marking
+    float step = 0;           // metres of marking that it stands for
+    float width = 0;          // painted, metres
+    int marking = 0;          // index into the pitch's markings
+  };
+  std::vector<Sample> samples;
+};
+MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m);
+
+struct PoseScore {
+  double confirmed = 0;  // share of the predicted line length that has a ridge on it
+  double explained = 0;  // share of the ridge points on the pitch that have a marking on them
+  double seen_m = 0;     // metres of marking confirmed
+  double rms_px = 0;     // of confirmed samples, across the line
+  int directions = 0;    // 2 where lines of clearly different image direction or arcs are confirmed
+  double score() const {
+    const double sum = confirmed + explained;
+    return sum > 0 ? 2 * confirmed * explained / sum : 0;
+  }
+};
+
+// Fast: `explained` is the matched length over the number of ridge points. Samples at `tolerance_px`
+// count nothing.
+PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                     double tolerance_px);
+
+// Exact: every ridge point (or evenly chosen ones, at most `most_points`) is cast on the turf and
+// compared with its nearest marking. Points on goals and off the pitch do not count.
+PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
+                      const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
+                      int most_points);
+
+// A ridge point on a marking.
+struct PointOnMarking {
+  int marking = -1;
+  double distance = 0;  // along the marking, metres
+  double across_px = 0;
+};
+// The marking that a ridge point shows under a camera; marking -1 where none runs in its direction
+// within `tolerance_px`.
+PointOnMarking match_point(const pitch::PitchModel& pitch, const Pose& pose,
+                           const RidgePoint& point, double tolerance_px);
+
+struct RefineOptions {
+  bool position = false;            // also find the position
+  bool lens = false;                // also find k1
+  const geometry::Mount* mount = nullptr;  // lens over zoom and levelling, where known
+  double roll_sigma = 0.002;        // radians, of roll in the head's frame
+  double shift_sigma = 0.01;        // of k1's shift at the picture corner, share of the radius
+  std::span<const double> tolerances_px;  // one iteration each
+};
+// Gauss-Newton on the distance from marking samples to the nearest ridges. False when it breaks
+// down.
+bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptions& options,
+            Pose& pose);
+
+// Largest displacement of picture points between two cameras' rotations and focal lengths, pixels.
+double picture_distance(const Pose& a, const Pose& b);
+
+}  // namespace touchline::calibrate
