@@ -1,0 +1,200 @@
+#include "edge/edge_pipeline.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "edge/publish/publish.h"
+#include "shared/base/bounded_queue.h"
+#include "shared/base/log.h"
+#include "shared/wire/edge_link.h"
+
+namespace touchline::edge {
+namespace {
+
+constexpr std::size_t kCaptureQueue = 4;
+constexpr std::size_t kPublishQueue = 64;
+constexpr std::uint64_t kStatusFrames = 25;
+
+// What the process thread hands to the publish thread.
+struct Outgoing {
+  ChainOutput output;
+  ChainReport report;
+};
+
+// The first trouble wins; later ones are logged only.
+class Trouble {
+ public:
+  void set(const base::Error& error) {
+    base::log_error(base::to_string(error));
+    const std::lock_guard lock(mutex_);
+    if (!first_) first_ = error;
+  }
+  std::optional<base::Error> first() const {
+    const std::lock_guard lock(mutex_);
+    return first_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<base::Error> first_;
+};
+
+publish::UnitStatus unit_status(const EdgeConfig& config, std::uint32_t epoch,
+                                const std::string& source_name, const ChainReport& report,
+                                std::uint64_t sent, std::uint64_t dropped) {
+  publish::UnitStatus status;
+  status.camera = config.camera;
+  status.epoch = epoch;
+  status.state = publish::UnitState::kRunning;
+  status.source = source_name;
+  for (const StageTime& stage : report.stages) {
+    if (stage.frames == 0) continue;
+    const double mean_s = stage.seconds / static_cast<double>(stage.frames);
+    status.stages.push_back({stage.stage, mean_s > 0 ? 1 / mean_s : 0, 1e3 * mean_s});
+  }
+  if (dropped > 0) status.drops["capture-queue"] = dropped;
+  if (report.encode_failures > 0) status.drops["encode"] = report.encode_failures;
+  status.frames_read = report.frames_in;
+  status.frames_sent = sent;
+  status.calibration = report.calibration;
+  return status;
+}
+
+void capture_frames(capture::FrameSource& source, base::BoundedQueue<image::FramePtr>& queue,
+                    std::atomic<std::uint64_t>& frames_read, Trouble& trouble,
+                    std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    auto frame = source.next(stop);
+    if (!frame) {
+      trouble.set(frame.error());
+      break;
+    }
+    if (!*frame) break;
+    ++frames_read;
+    if (!queue.push(std::move(**frame), stop)) break;
+  }
+  queue.close();
+}
+
+void process_frames(const ChainSetup& setup, const ChainOptions& options,
+                    std::vector<image::Frame> stills, base::BoundedQueue<image::FramePtr>& in,
+                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
+                    std::stop_token stop) {
+  auto chain = FrameChain::make(setup, options, std::move(stills));
+  if (!chain) {
+    trouble.set(chain.error());
+    in.close();
+    out.close();
+    return;
+  }
+  while (auto frame = in.pop(stop)) {
+    if (!out.push({chain->push(std::move(*frame)), chain->report()}, stop)) break;
+  }
+  if (!stop.stop_requested()) out.push({chain->finish(), chain->report()}, stop);
+  report = chain->report();
+  if (report.survey_error) trouble.set(*report.survey_error);
+  out.close();
+}
+
+}  // namespace
+
+base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& setup,
+                                  const std::string& source_name, capture::FrameSource& source,
+                                  std::vector<image::Frame> stills, std::uint32_t epoch,
+                                  std::stop_token stop) {
+  if (base::Status status = config.validate(); !status) return base::fail(status.error());
+  auto link = wire::EdgeLink::open(config.link, config.camera, epoch);
+  if (!link) return base::fail(link.error());
+
+  const bool live = config.link.mode == wire::Mode::kLive;
+  base::BoundedQueue<image::FramePtr> captured(
+      kCaptureQueue, live ? base::FullPolicy::kDropOldest : base::FullPolicy::kBlock);
+  base::BoundedQueue<Outgoing> outgoing(kPublishQueue, base::FullPolicy::kBlock);
+  std::atomic<std::uint64_t> frames_read{0};
+  Trouble trouble;
+  EdgeReport report;
+
+  // Ends the threads when the caller asks for it, or when the hub cannot be served any more.
+  std::stop_source end;
+  const std::stop_callback forward(stop, [&] { end.request_stop(); });
+  std::jthread capture_thread(
+      [&] { capture_frames(source, captured, frames_read, trouble, end.get_token()); });
+  std::jthread process_thread([&] {
+    process_frames(setup, config.chain, std::move(stills), captured, outgoing, report.chain,
+                   trouble, end.get_token());
+  });
+
+  // This thread publishes.
+  const auto publish_all = [&]() -> base::Status {
+    const auto timeout =
+        std::chrono::milliseconds(static_cast<std::int64_t>(config.hub_timeout_s * 1e3));
+    if (base::Status status = (*link)->wait_for_hub(timeout, end.get_token()); !status)
+      return status;
+    publish::UnitStatus starting;
+    starting.camera = config.camera;
+    starting.epoch = epoch;
+    starting.source = source_name;
+    if (base::Status status = (*link)->send(publish::to_message(starting)); !status) return status;
+    std::uint64_t last_status = 0;
+    while (auto item = outgoing.pop(end.get_token())) {
+      std::string text;
+      for (const std::string& note : item->output.notes) {
+        base::log_info(note);
+        text += (text.empty() ? "" : "; ") + note;
+      }
+      for (const codec::EncodedPlateTile& tile : item->output.plates) {
+        if (base::Status status = (*link)->send(publish::to_message(tile, epoch), end.get_token());
+            !status) {
+          return status;
+        }
+        report.bytes_sent += tile.bytes.size();
+      }
+      for (const codec::EncodedView& view : item->output.views) {
+        if (base::Status status = (*link)->send(publish::to_message(view), end.get_token());
+            !status)
+          return status;
+        ++report.frames_sent;
+        for (const codec::EncodedPart& part : view.parts) report.bytes_sent += part.bytes.size();
+      }
+      if (!text.empty() || report.frames_sent >= last_status + kStatusFrames) {
+        last_status = report.frames_sent;
+        publish::UnitStatus status = unit_status(config, epoch, source_name, item->report,
+                                                 report.frames_sent, captured.dropped());
+        status.text = text;
+        if (base::Status sent = (*link)->send(publish::to_message(status)); !sent) return sent;
+      }
+    }
+    if (stop.stop_requested()) {
+      return base::fail(base::ErrorKind::kCancelled, config.camera.value,
+                        "stopped before the source ended");
+    }
+    return {};
+  };
+  const base::Status published = publish_all();
+  if (!published) end.request_stop();
+  captured.close();
+  capture_thread.join();
+  process_thread.join();
+
+  report.frames_read = frames_read;
+  report.frames_dropped = captured.dropped();
+  report.trouble = trouble.first();
+  if (!published) return base::fail(published.error());
+
+  publish::UnitStatus last = unit_status(config, epoch, source_name, report.chain,
+                                         report.frames_sent, report.frames_dropped);
+  last.state = report.trouble ? publish::UnitState::kFailed : publish::UnitState::kEnded;
+  if (report.trouble) last.text = base::to_string(*report.trouble);
+  if (base::Status status = (*link)->send(publish::to_message(last)); !status)
+    return base::fail(status.error());
+  if (base::Status status = (*link)->finish(stop); !status) return base::fail(status.error());
+  return report;
+}
+
+}  // namespace touchline::edge

@@ -1,0 +1,345 @@
+#include "edge/frame_chain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <optional>
+
+#include "edge/compensate/compensator.h"
+#include "shared/geometry/mount.h"
+
+namespace touchline::edge {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Adds the time until it ends to a stage.
+class StageTimer {
+ public:
+  explicit StageTimer(StageTime& stage) : stage_(stage), start_(Clock::now()) {}
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+  ~StageTimer() {
+    stage_.seconds += std::chrono::duration<double>(Clock::now() - start_).count();
+    ++stage_.frames;
+  }
+
+ private:
+  StageTime& stage_;
+  Clock::time_point start_;
+};
+
+enum Stage { kCompensate, kSurvey, kCalibrate, kPlate, kKey, kEncode, kStages };
+
+base::Status out_of_bounds(const char* field, double value, const char* bound) {
+  return base::fail(base::ErrorKind::kConfiguration, field,
+                    fmt::format("{} is out of bounds", value),
+                    fmt::format("use a value in {}", bound));
+}
+
+// `count` indices spread over 0 .. size - 1, rising and distinct.
+std::vector<std::size_t> spread(std::size_t size, int count) {
+  std::vector<std::size_t> indices;
+  const std::size_t n = std::min(size, static_cast<std::size_t>(std::max(count, 1)));
+  for (std::size_t i = 0; i < n; ++i) indices.push_back(n == 1 ? 0 : i * (size - 1) / (n - 1));
+  return indices;
+}
+
+compensate::Compensator compensator_of(const compensate::DetailOptions& options,
+                                       const std::vector<image::FramePtr>& frames, int looked_at,
+                                       state::DetailModel& model) {
+  compensate::DetailEstimator estimator(options);
+  for (const std::size_t i : spread(frames.size(), looked_at)) estimator.add(frames[i]->luma());
+  model = estimator.estimate();
+  return compensate::Compensator(model);
+}
+
+}  // namespace
+
+base::Status ChainOptions::validate() const {
+  if (!(hold_back_s >= 0 && hold_back_s <= 2))
+    return out_of_bounds("hold_back_s", hold_back_s, "0..2");
+  if (detail_frames < 1 || detail_frames > 50)
+    return out_of_bounds("detail_frames", detail_frames, "1..50");
+  if (fixed_survey_frames < 1 || fixed_survey_frames > 64) {
+    return out_of_bounds("fixed_survey_frames", fixed_survey_frames, "1..64");
+  }
+  if (plate_publish_frames < 1 || plate_publish_frames > 100000) {
+    return out_of_bounds("plate_publish_frames", plate_publish_frames, "1..100000");
+  }
+  for (const base::Status& part :
+       {detail.validate(), survey.validate(), calibrate.validate(), plate.validate(),
+        key.validate(), encode.validate(), codec.validate(), plate_tiles.validate()}) {
+    if (!part) return part;
+  }
+  return {};
+}
+
+struct FrameChain::Impl {
+  ChainSetup setup;
+  ChainOptions options;
+  std::vector<image::Frame> stills;  // until the plate is seeded
+  std::vector<geometry::CameraEstimate> still_estimates;
+
+  // Active state.
+  std::optional<geometry::Mount> mount;
+  std::optional<geometry::CameraEstimate> initial;  // of the first frame, where the survey gave it
+  std::unique_ptr<calibrate::Calibrator> calibrator;
+  std::unique_ptr<compensate::Compensator> compensator;
+  std::unique_ptr<plate::PlateBuilder> plate;
+  std::shared_ptr<const image::PlateSnapshot> sent_plate;
+  std::vector<image::FramePtr> held;
+  bool running = false;  // the hold-back is over
+  bool calibrated_any = false;
+  std::uint64_t frames_since_plate = 0;
+
+  ChainReport report;
+  std::vector<std::string> notes;
+
+  StageTime& stage(Stage s) { return report.stages[s]; }
+
+  void note(std::string text) { notes.push_back(std::move(text)); }
+
+  void adopt(const calibrate::SurveyResult& result) {
+    mount = result.mount;
+    report.survey_rms_px = result.rms_px;
+    report.survey_solved = result.solved;
+    const Eigen::Vector3d p = mount->position_in_world;
+    note(fmt::format("surveyed: {} pictures solved, rms {:.2f} px, position {:.2f} {:.2f} {:.2f} m",
+                     result.solved, result.rms_px, p.x(), p.y(), p.z()));
+  }
+
+  void survey_stills() {
+    const StageTimer timer(stage(kSurvey));
+    std::vector<image::FramePtr> frames;
+    for (image::Frame& still : stills)
+      frames.push_back(std::make_shared<const image::Frame>(std::move(still)));
+    state::DetailModel detail;
+    const auto undo =
+        compensator_of(options.detail, frames, static_cast<int>(frames.size()), detail);
+    for (std::size_t i = 0; i < frames.size(); ++i) stills[i] = undo.apply(*frames[i]);
+    auto result = calibrate::survey(stills, setup.pitch, setup.side, options.survey);
+    if (!result) {
+      report.survey_error = result.error();
+      note("survey failed: " + base::to_string(result.error()));
+      return;
+    }
+    still_estimates = result->stills;
+    adopt(*result);
+  }
+
+  // A camera without survey stills is solved from what it has shown so far.
+  void survey_held() {
+    const StageTimer timer(stage(kSurvey));
+    std::vector<image::Frame> frames;
+    for (const std::size_t i :
+         spread(held.size(), setup.kind == HeadKind::kFixed ? options.fixed_survey_frames : 1)) {
+      frames.push_back(*held[i]);
+    }
+    if (frames.empty()) return;
+    auto result = calibrate::survey_fixed(frames, setup.pitch, setup.side, options.survey);
+    if (!result) {
+      if (setup.kind != HeadKind::kCloseup) report.survey_error = result.error();
+      note("not calibrated: " + base::to_string(result.error()));
+      return;
+    }
+    adopt(*result);
+    initial = result->stills.front();
+  }
+
+  // Says nothing but the picture's size.
+  static geometry::CameraEstimate lost(const image::Frame& frame) {
+    geometry::CameraEstimate estimate;
+    estimate.model.width = frame.width();
+    estimate.model.height = frame.height();
+    return estimate;
+  }
+
+  geometry::CameraEstimate calibrate_frame(const image::Frame& frame) {
+    const StageTimer timer(stage(kCalibrate));
+    geometry::CameraEstimate estimate = lost(frame);
+    if (calibrator) {
+      estimate = calibrator->process(frame).estimate;
+      if (estimate.lost()) estimate = lost(frame);
+    }
+    if (estimate.evidence != report.calibration || !calibrated_any) {
+      note(fmt::format("calibration: {} from frame {} on", geometry::name(estimate.evidence),
+                       frame.id.sequence));
+    }
+    calibrated_any = true;
+    report.calibration = estimate.evidence;
+    return estimate;
+  }
+
+  void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
+    if (!plate || estimate.lost()) return;
+    const StageTimer timer(stage(kPlate));
+    plate->add(frame, estimate);
+  }
+
+  void start_plate(const std::vector<geometry::CameraEstimate>& estimates) {
+    double focal = 0;
+    for (const geometry::CameraEstimate& estimate : estimates) {
+      if (!estimate.lost()) focal = std::max(focal, estimate.model.fx);
+    }
+    if (focal <= 0 || !mount) return;
+    plate = std::make_unique<plate::PlateBuilder>(setup.pitch, mount->position_in_world, 1 / focal,
+                                                  options.plate);
+    const StageTimer timer(stage(kPlate));
+    for (std::size_t i = 0; i < still_estimates.size(); ++i)
+      plate->seed(stills[i], still_estimates[i]);
+    stills.clear();
+    still_estimates.clear();
+  }
+
+  codec::EncodedView encode_frame(const image::Frame& frame,
+                                  const geometry::CameraEstimate& estimate,
+                                  const image::PlateSnapshot* snapshot) {
+    ++report.frames_out;
+    codec::EncodedView bare{frame.id, frame.stamp, estimate, {}};
+    if (estimate.lost()) ++report.frames_lost;
+    if (estimate.lost() || snapshot == nullptr) return bare;
+    state::KeyResult keyed;
+    {
+      const StageTimer timer(stage(kKey));
+      keyed = key::key(frame, estimate, *snapshot, setup.pitch, options.key);
+    }
+    const StageTimer timer(stage(kEncode));
+    auto encoded = codec::encode(
+        encode::assemble(frame, estimate, std::move(keyed.matte), setup.pitch, options.encode),
+        options.codec);
+    if (!encoded) {
+      encoder_failed(encoded.error());
+      return bare;
+    }
+    return std::move(*encoded);
+  }
+
+  void publish_plate(ChainOutput& out) {
+    if (!plate) return;
+    const StageTimer timer(stage(kEncode));
+    const auto snapshot = plate->snapshot(true);
+    frames_since_plate = 0;
+    if (!snapshot || snapshot == sent_plate) return;
+    for (const auto& [key, tile] : snapshot->tiles) {
+      if (sent_plate) {
+        const auto before = sent_plate->tiles.find(key);
+        if (before != sent_plate->tiles.end() && before->second == tile) continue;
+      }
+      auto encoded = codec::encode_plate_tile(setup.camera, *snapshot, key, options.plate_tiles);
+      if (encoded) {
+        out.plates.push_back(std::move(*encoded));
+      } else {
+        encoder_failed(encoded.error());
+      }
+    }
+    sent_plate = snapshot;
+  }
+
+  ChainOutput done(ChainOutput out) {
+    out.notes = std::move(notes);
+    notes.clear();
+    return out;
+  }
+
+  void encoder_failed(const base::Error& error) {
+    ++report.encode_failures;
+    note(base::to_string(error));
+  }
+
+  // The end of the hold-back: everything that is learnt from the first frames, then those frames.
+  ChainOutput release() {
+    running = true;
+    ChainOutput out;
+    if (held.empty()) return done(std::move(out));
+    {
+      const StageTimer timer(stage(kCompensate));
+      compensator = std::make_unique<compensate::Compensator>(
+          compensator_of(options.detail, held, options.detail_frames, report.detail));
+      note(fmt::format("detail: horizontal {:.2f} {:.2f}, vertical {:.2f} {:.2f} from {} edges",
+                       report.detail.horizontal[0], report.detail.horizontal[1],
+                       report.detail.vertical[0], report.detail.vertical[1], report.detail.edges));
+    }
+    for (image::FramePtr& frame : held) frame = compensated(*frame);
+    if (!mount && !report.survey_error) survey_held();
+    if (mount) {
+      calibrate::CalibrateOptions calibrate_options = options.calibrate;
+      calibrate_options.fixed = setup.kind == HeadKind::kFixed;
+      calibrator = std::make_unique<calibrate::Calibrator>(setup.pitch, *mount, calibrate_options);
+      if (initial) calibrator->start_from(*initial);
+    }
+    std::vector<geometry::CameraEstimate> estimates;
+    for (const image::FramePtr& frame : held) estimates.push_back(calibrate_frame(*frame));
+    start_plate(estimates);
+    for (std::size_t i = 0; i < held.size(); ++i) learn_plate(*held[i], estimates[i]);
+    publish_plate(out);
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      out.views.push_back(encode_frame(*held[i], estimates[i], sent_plate.get()));
+      held[i].reset();
+    }
+    held.clear();
+    return done(std::move(out));
+  }
+
+  image::FramePtr compensated(const image::Frame& frame) {
+    const StageTimer timer(stage(kCompensate));
+    return std::make_shared<const image::Frame>(compensator->apply(frame));
+  }
+};
+
+FrameChain::FrameChain(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FrameChain::FrameChain(FrameChain&&) noexcept = default;
+FrameChain& FrameChain::operator=(FrameChain&&) noexcept = default;
+FrameChain::~FrameChain() = default;
+
+base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOptions& options,
+                                          std::vector<image::Frame> stills) {
+  if (base::Status status = options.validate(); !status) return base::fail(status.error());
+  auto impl = std::make_unique<Impl>();
+  impl->setup = setup;
+  impl->options = options;
+  impl->stills = std::move(stills);
+  impl->report.stages = {{"compensate", 0, 0}, {"survey", 0, 0}, {"calibrate", 0, 0},
+                         {"plate", 0, 0},      {"key", 0, 0},    {"encode", 0, 0}};
+  if (!impl->stills.empty()) impl->survey_stills();
+  return FrameChain(std::move(impl));
+}
+
+ChainOutput FrameChain::push(image::FramePtr frame) {
+  ++impl_->report.frames_in;
+  if (!impl_->running) {
+    impl_->held.push_back(std::move(frame));
+    const double needed = impl_->options.hold_back_s * impl_->setup.rate.hz();
+    if (static_cast<double>(impl_->held.size()) < std::max(needed, 1.0)) {
+      return impl_->done({});
+    }
+    return impl_->release();
+  }
+  ChainOutput out;
+  const image::FramePtr clean = impl_->compensated(*frame);
+  const geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
+  if (!impl_->plate && !estimate.lost()) impl_->start_plate({estimate});
+  impl_->learn_plate(*clean, estimate);
+  if (++impl_->frames_since_plate >=
+      static_cast<std::uint64_t>(impl_->options.plate_publish_frames)) {
+    impl_->publish_plate(out);
+  }
+  const auto snapshot = impl_->plate ? impl_->plate->snapshot() : nullptr;
+  out.views.push_back(impl_->encode_frame(*clean, estimate, snapshot.get()));
+  return impl_->done(std::move(out));
+}
+
+ChainOutput FrameChain::finish() {
+  if (!impl_->running) return impl_->release();
+  ChainOutput out;
+  impl_->publish_plate(out);
+  return impl_->done(std::move(out));
+}
+
+ChainReport FrameChain::report() const { return impl_->report; }
+
+}  // namespace touchline::edge

@@ -1,0 +1,118 @@
+// One camera's frames through every stage of the edge, in order and without threads: compensate,
+// calibrate, plate, key, encode. The pipeline feeds it; tests and benches call it as it is.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge/calibrate/calibrator.h"
+#include "edge/calibrate/side.h"
+#include "edge/calibrate/survey.h"
+#include "edge/compensate/detail_estimator.h"
+#include "edge/encode/assemble.h"
+#include "edge/key/key.h"
+#include "edge/plate/plate_builder.h"
+#include "edge/state/detail_model.h"
+#include "shared/base/ids.h"
+#include "shared/base/result.h"
+#include "shared/base/time.h"
+#include "shared/codec/camera_view.h"
+#include "shared/codec/encoded_plate.h"
+#include "shared/codec/plate_codec.h"
+#include "shared/codec/view_codec.h"
+#include "shared/geometry/camera_estimate.h"
+#include "shared/image/frame.h"
+#include "shared/pitch/pitch_model.h"
+
+namespace touchline::edge {
+
+enum class HeadKind : std::uint8_t {
+  kHead,     // pans, tilts and zooms from one place
+  kFixed,    // does not move
+  kCloseup,  // a head that may show too few lines to be solved: lost is then an expected answer
+};
+
+// What the installer states about the camera.
+struct ChainSetup {
+  base::CameraId camera;
+  HeadKind kind = HeadKind::kHead;
+  calibrate::Side side = calibrate::Side::kMain;
+  pitch::PitchModel pitch;
+  base::FrameRate rate;
+};
+
+struct ChainOptions {
+  double hold_back_s = 2;       // frames held at the start while detail and plate are learnt; 0..2
+  int detail_frames = 8;        // of those, how many the detail estimate looks at; 1..50
+  int fixed_survey_frames = 6;  // of those, how many a fixed camera is solved from; 1..64
+  int plate_publish_frames =
+      250;  // frames between two looks at which plate tiles changed; 1..100000
+  compensate::DetailOptions detail;
+  calibrate::SurveyOptions survey;
+  calibrate::CalibrateOptions calibrate;
+  plate::PlateOptions plate;
+  key::KeyOptions key;
+  encode::EncodeOptions encode;
+  codec::EncodeOptions codec;
+  codec::PlateTileOptions plate_tiles;
+
+  base::Status validate() const;
+};
+
+// What came out for frames that went in: views in frame order, and plate tiles that changed.
+struct ChainOutput {
+  std::vector<codec::EncodedView> views;
+  std::vector<codec::EncodedPlateTile> plates;
+  std::vector<std::string> notes;  // for the log and the unit's status, in order
+};
+
+// Time spent, summed over frames.
+struct StageTime {
+  std::string stage;
+  double seconds = 0;
+  std::uint64_t frames = 0;
+};
+
+struct ChainReport {
+  std::uint64_t frames_in = 0;
+  std::uint64_t frames_out = 0;
+  std::uint64_t frames_lost = 0;      // without a camera estimate
+  std::uint64_t encode_failures = 0;  // frames or plate tiles that no codec took
+  geometry::Evidence calibration = geometry::Evidence::kLost;  // of the latest frame
+  state::DetailModel detail;
+  double survey_rms_px = 0;
+  int survey_solved = 0;
+  std::vector<StageTime> stages;
+  // The camera could not be surveyed although its kind promises that it can.
+  std::optional<base::Error> survey_error;
+};
+
+class FrameChain {
+ public:
+  // `stills` are the survey stills of a head (empty where there are none). The mount is solved
+  // here.
+  static base::Result<FrameChain> make(const ChainSetup& setup, const ChainOptions& options,
+                                       std::vector<image::Frame> stills);
+  FrameChain(FrameChain&&) noexcept;
+  FrameChain& operator=(FrameChain&&) noexcept;
+  ~FrameChain();
+
+  // The next frame. Nothing comes out during the hold-back; then everything held, then each frame
+  // as it comes. A frame that cannot be encoded still comes out, without parts, with a note and
+  // counted.
+  ChainOutput push(image::FramePtr frame);
+  // No more frames: what is held, and the tiles of the final plate.
+  ChainOutput finish();
+
+  ChainReport report() const;
+
+ private:
+  struct Impl;
+  explicit FrameChain(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace touchline::edge

@@ -1,0 +1,333 @@
+// touchline-edge: the unit on a camera head.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "edge/edge_config.h"
+#include "edge/edge_pipeline.h"
+#include "shared/base/log.h"
+#include "shared/runtime/clock.h"
+#include "shared/runtime/service.h"
+#include "shared/wire/edge_link.h"
+
+namespace {
+
+using namespace touchline;  // NOLINT: this file is the program
+
+constexpr const char* kVersion = "0.1.0";
+
+// What the command line says; shared by the verbs that need a camera.
+struct Arguments {
+  std::string config;
+  std::string recording;
+  std::string camera;
+  std::string pace;
+  std::string profile;
+  int domain = -1;
+  std::string tag;
+  bool json = false;
+  bool ids = false;
+};
+
+int failed(const base::Error& error) {
+  std::fprintf(stderr, "touchline-edge: %s\n", base::to_string(error).c_str());
+  return base::exit_code(error);
+}
+
+base::Result<edge::EdgeConfig> config_of(const Arguments& arguments) {
+  edge::EdgeConfig config;
+  if (!arguments.config.empty()) {
+    auto loaded = edge::load_edge_config(arguments.config);
+    if (!loaded) return base::fail(loaded.error());
+    config = std::move(*loaded);
+  }
+  if (!arguments.recording.empty()) config.recording = arguments.recording;
+  if (!arguments.camera.empty()) config.camera.value = arguments.camera;
+  if (!arguments.pace.empty())
+    config.pace = arguments.pace == "real" ? capture::Pace::kReal : capture::Pace::kFast;
+  if (!arguments.profile.empty()) {
+    config.link.mode = arguments.profile == "replay" ? wire::Mode::kReplay : wire::Mode::kLive;
+  }
+  if (arguments.domain >= 0) config.link.domain = arguments.domain;
+  if (!arguments.tag.empty()) config.link.tag = arguments.tag;
+  if (config.recording.empty()) {
+    return base::fail(base::ErrorKind::kArgument, "source", "no source of frames is named",
+                      "give --recording, or [source] recording in the unit's TOML");
+  }
+  if (base::Status status = config.validate(); !status) return base::fail(status.error());
+  return config;
+}
+
+int run(const Arguments& arguments) {
+  auto config = config_of(arguments);
+  if (!config) return failed(config.error());
+  base::start_log("edge " + config->camera.value, base::LogLevel::kInfo);
+  auto service = runtime::Service::start();
+  if (!service) return failed(service.error());
+  auto recording = recording::load_recording(config->recording);
+  if (!recording) return failed(recording.error());
+  auto setup = edge::chain_setup(*recording, config->camera);
+  if (!setup) return failed(setup.error());
+  auto stills = edge::load_stills(*recording->find(config->camera));
+  if (!stills) return failed(stills.error());
+  // The epoch grows each time the unit starts.
+  const auto epoch =
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(
+                                     std::chrono::system_clock::now().time_since_epoch())
+                                     .count());
+  runtime::SteadyClock clock;
+  capture::RecordingSourceOptions source_options;
+  source_options.pace = config->pace;
+  auto source =
+      capture::RecordingSource::open(*recording, config->camera, epoch, clock, source_options);
+  if (!source) return failed(source.error());
+  (*service)->ready("running from a recording");
+  auto report = edge::run_edge(*config, *setup, config->recording.string(), **source,
+                               std::move(*stills), epoch, (*service)->stop_token());
+  (*service)->stopping("");
+  if (!report) return failed(report.error());
+  if (arguments.json) {
+    nlohmann::ordered_json out;
+    out["camera"] = config->camera.value;
+    out["frames_read"] = report->frames_read;
+    out["frames_sent"] = report->frames_sent;
+    out["frames_lost_track"] = report->chain.frames_lost;
+    out["frames_dropped"] = report->frames_dropped;
+    out["bytes_sent"] = report->bytes_sent;
+    out["survey_rms_px"] = report->chain.survey_rms_px;
+    out["detail"] = {{"horizontal", report->chain.detail.horizontal},
+                     {"vertical", report->chain.detail.vertical}};
+    for (const edge::StageTime& stage : report->chain.stages) {
+      if (stage.frames > 0)
+        out["stage_ms"][stage.stage] = 1e3 * stage.seconds / static_cast<double>(stage.frames);
+    }
+    out["trouble"] = report->trouble ? base::to_string(*report->trouble) : "";
+    std::printf("%s\n", out.dump().c_str());
+  } else {
+    std::string stages;
+    for (const edge::StageTime& stage : report->chain.stages) {
+      if (stage.frames == 0) continue;
+      stages += fmt::format(" {} {:.1f}", stage.stage,
+                            1e3 * stage.seconds / static_cast<double>(stage.frames));
+    }
+    base::log_info(
+        fmt::format("{} frames read, {} sent, {} without calibration, {:.1f} MB; ms a frame:{}",
+                    report->frames_read, report->frames_sent, report->chain.frames_lost,
+                    static_cast<double>(report->bytes_sent) / 1e6, stages));
+  }
+  return report->trouble ? 1 : 0;
+}
+
+int list(const Arguments& arguments) {
+  auto recording = recording::load_recording(arguments.recording);
+  if (!recording) return failed(recording.error());
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const recording::CameraEntry& camera : recording->cameras) {
+    if (arguments.ids) {
+      std::printf("%s\n", camera.id.value.c_str());
+    } else if (arguments.json) {
+      out.push_back({{"id", camera.id.value},
+                     {"role", recording::name(camera.role)},
+                     {"side", recording::name(camera.side)},
+                     {"width", camera.width},
+                     {"height", camera.height},
+                     {"frame_rate", base::to_string(camera.rate)},
+                     {"survey", !camera.survey.empty()}});
+    } else {
+      std::printf("%-12s %-8s %-8s %dx%d %s%s\n", camera.id.value.c_str(),
+                  std::string(recording::name(camera.role)).c_str(),
+                  std::string(recording::name(camera.side)).c_str(), camera.width, camera.height,
+                  base::to_string(camera.rate).c_str(), camera.survey.empty() ? "" : " survey");
+    }
+  }
+  if (arguments.json && !arguments.ids) std::printf("%s\n", out.dump().c_str());
+  return 0;
+}
+
+// One line a check, with what to do where it fails.
+class Checks {
+ public:
+  explicit Checks(bool json) : json_(json) {}
+  bool report(const std::string& name, const base::Status& status, const std::string& detail = {}) {
+    all_ = all_ && status.has_value();
+    if (json_) {
+      out_.push_back({{"check", name},
+                      {"ok", status.has_value()},
+                      {"detail", status ? detail : base::to_string(status.error())}});
+    } else {
+      std::printf("%-5s %-10s %s\n", status ? "pass" : "FAIL", name.c_str(),
+                  (status ? detail : base::to_string(status.error())).c_str());
+    }
+    return status.has_value();
+  }
+  int finish() {
+    if (json_) std::printf("%s\n", out_.dump().c_str());
+    return all_ ? 0 : 1;
+  }
+
+ private:
+  bool json_;
+  bool all_ = true;
+  nlohmann::ordered_json out_ = nlohmann::ordered_json::array();
+};
+
+template <typename T>
+base::Status status_of(const base::Result<T>& result) {
+  if (!result) return base::fail(result.error());
+  return {};
+}
+
+int check(const Arguments& arguments) {
+  Checks checks(arguments.json);
+  const auto config = config_of(arguments);
+  if (!checks.report("config", status_of(config))) return checks.finish();
+  const auto recording = recording::load_recording(config->recording);
+  if (!checks.report("source", status_of(recording), config->recording.string()))
+    return checks.finish();
+  const auto setup = edge::chain_setup(*recording, config->camera);
+  if (!checks.report("camera", status_of(setup), config->camera.value)) return checks.finish();
+  const recording::CameraEntry& entry = *recording->find(config->camera);
+  auto reader = recording::VideoReader::open(entry, *recording, 0);
+  base::Status video = status_of(reader);
+  if (reader) {
+    const auto frame = reader->next();
+    video = status_of(frame);
+    if (frame && !*frame)
+      video = base::fail(base::ErrorKind::kFormat, entry.video.string(), "holds no frame",
+                         "record it again");
+  }
+  checks.report("video", video,
+                fmt::format("{}x{} {}", entry.width, entry.height, base::to_string(entry.rate)));
+  const auto stills = edge::load_stills(entry);
+  checks.report("stills", status_of(stills), stills ? fmt::format("{}", stills->size()) : "");
+  if (stills && !stills->empty()) {
+    const auto survey = calibrate::survey(*stills, setup->pitch, setup->side, config->chain.survey);
+    checks.report("survey", status_of(survey),
+                  survey ? fmt::format("{} of {} stills solved, rms {:.2f} px", survey->solved,
+                                       stills->size(), survey->rms_px)
+                         : "");
+  }
+  const auto link = wire::EdgeLink::open(config->link, config->camera, 0);
+  checks.report("network", status_of(link), fmt::format("DDS domain {}", config->link.domain));
+  return checks.finish();
+}
+
+int survey(const Arguments& arguments) {
+  auto config = config_of(arguments);
+  if (!config) return failed(config.error());
+  auto recording = recording::load_recording(config->recording);
+  if (!recording) return failed(recording.error());
+  auto setup = edge::chain_setup(*recording, config->camera);
+  if (!setup) return failed(setup.error());
+  auto stills = edge::load_stills(*recording->find(config->camera));
+  if (!stills) return failed(stills.error());
+  if (stills->empty()) {
+    return failed({base::ErrorKind::kConfiguration, config->camera.value, "has no survey stills",
+                   "put 12 to 16 stills of the empty pitch in its survey folder, over the whole "
+                   "range of the head"});
+  }
+  const auto result = calibrate::survey(*stills, setup->pitch, setup->side, config->chain.survey);
+  if (!result) return failed(result.error());
+  const geometry::Mount& mount = result->mount;
+  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  if (arguments.json) {
+    nlohmann::ordered_json out;
+    out["camera"] = config->camera.value;
+    out["position_m"] = {mount.position_in_world.x(), mount.position_in_world.y(),
+                         mount.position_in_world.z()};
+    out["position_sd_m"] = {std::sqrt(mount.covariance(0, 0)), std::sqrt(mount.covariance(1, 1)),
+                            std::sqrt(mount.covariance(2, 2))};
+    out["level_deg"] = {mount.level_x * kDegrees, mount.level_y * kDegrees};
+    out["principal_point_px"] = {mount.cx, mount.cy};
+    for (const geometry::LensKnot& knot : mount.lens)
+      out["lens"].push_back({{"focal_px", knot.focal_px}, {"k1", knot.k1}, {"k2", knot.k2}});
+    out["rms_px"] = result->rms_px;
+    out["stills"] = result->still_rms_px;
+    out["solved"] = result->solved;
+    std::printf("%s\n", out.dump().c_str());
+    return 0;
+  }
+  std::printf(
+      "camera     %s\nposition   %.3f %.3f %.3f m (sd %.3f %.3f %.3f)\nlevel      %.3f %.3f "
+      "deg\nprincipal  %.1f %.1f px\n",
+      config->camera.value.c_str(), mount.position_in_world.x(), mount.position_in_world.y(),
+      mount.position_in_world.z(), std::sqrt(mount.covariance(0, 0)),
+      std::sqrt(mount.covariance(1, 1)), std::sqrt(mount.covariance(2, 2)),
+      mount.level_x * kDegrees, mount.level_y * kDegrees, mount.cx, mount.cy);
+  for (const geometry::LensKnot& knot : mount.lens)
+    std::printf("lens       f %.0f px  k1 %.4f  k2 %.4f\n", knot.focal_px, knot.k1, knot.k2);
+  for (std::size_t i = 0; i < result->stills.size(); ++i) {
+    std::printf("still %02zu   %s\n", i,
+                result->stills[i].lost()
+                    ? "not solved"
+                    : fmt::format("rms {:.2f} px", result->still_rms_px[i]).c_str());
+  }
+  std::printf("solved     %d of %zu, rms %.2f px\n", result->solved, result->stills.size(),
+              result->rms_px);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "The Touchline edge unit: calibrates one camera's frames from the pitch lines, keys the "
+      "people, and sends "
+      "mattes, poses, textures and partial geometry to the hub."};
+  app.footer(
+      "example: touchline-edge run --recording match --camera m1 --profile replay --domain 7");
+  app.require_subcommand(1);
+  Arguments arguments;
+  const auto source_flags = [&](CLI::App* verb) {
+    verb->add_option("--config", arguments.config, "the unit's TOML");
+    verb->add_option("--recording", arguments.recording, "a folder with recording.toml");
+    verb->add_option("--camera", arguments.camera, "which of its cameras this unit is");
+    verb->add_flag("--json", arguments.json, "for machines");
+  };
+  const auto wire_flags = [&](CLI::App* verb) {
+    verb->add_option("--profile", arguments.profile, "live drops the oldest, replay never loses")
+        ->check(CLI::IsMember({"live", "replay"}));
+    verb->add_option("--domain", arguments.domain, "DDS domain")->check(CLI::Range(0, 230));
+    verb->add_option("--tag", arguments.tag, "units and hub meet only under the same tag");
+  };
+  CLI::App* run_verb = app.add_subcommand("run", "work: take frames in, send what they show");
+  source_flags(run_verb);
+  wire_flags(run_verb);
+  run_verb
+      ->add_option("--pace", arguments.pace, "of a recording: wall-clock, or as fast as possible")
+      ->check(CLI::IsMember({"real", "max"}));
+  run_verb->footer("example: touchline-edge run --config /etc/touchline/unit.toml");
+  CLI::App* list_verb = app.add_subcommand("list", "the sources there are");
+  list_verb->add_option("--recording", arguments.recording, "a folder with recording.toml")
+      ->required();
+  list_verb->add_flag("--ids", arguments.ids, "camera ids alone, one a line");
+  list_verb->add_flag("--json", arguments.json, "for machines");
+  list_verb->footer("example: touchline-edge list --recording match");
+  CLI::App* check_verb =
+      app.add_subcommand("check", "can this unit work here? one line a check, with a cure");
+  source_flags(check_verb);
+  wire_flags(check_verb);
+  check_verb->footer("example: touchline-edge check --recording match --camera m1");
+  CLI::App* survey_verb = app.add_subcommand("survey", "mount and lens from the survey stills");
+  source_flags(survey_verb);
+  survey_verb->footer("example: touchline-edge survey --recording match --camera m1 --json");
+  CLI::App* version_verb = app.add_subcommand("version", "print the version");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (*run_verb) return run(arguments);
+  if (*list_verb) return list(arguments);
+  if (*check_verb) return check(arguments);
+  if (*survey_verb) return survey(arguments);
+  if (*version_verb) std::printf("touchline-edge %s\n", kVersion);
+  return 0;
+}
