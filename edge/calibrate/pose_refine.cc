@@ -8,8 +8,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// Unknowns: rotation about the camera's axes (3), position (3), log focal, k1 scaled to its shift at
-// the corner.
+// Unknowns: rotation about the camera's axes (3), position (3), log focal, k1 scaled to its shift
+// at the corner.
 constexpr int kUnknowns = 8;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Gradient = Eigen::Matrix<double, kUnknowns, 1>;
@@ -122,9 +122,9 @@ bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptio
     Gradient step = -solver.solve(system.gradient);
     if (!step.allFinite()) return false;
     const double turn = step.head<3>().norm();
-    const double limit = std::min({1.0, 0.15 / std::max(turn, 1e-9),
-                                   0.25 / std::max(std::abs(step(6)), 1e-9),
-                                   15 / std::max(step.segment<3>(3).norm(), 1e-9)});
+    const double limit =
+        std::min({1.0, 0.15 / std::max(turn, 1e-9), 0.25 / std::max(std::abs(step(6)), 1e-9),
+                  15 / std::max(step.segment<3>(3).norm(), 1e-9)});
     step *= limit;
     if (turn > 0) {
       const Eigen::Vector3d w = step.head<3>();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLeastVisibleWidthPx = 0.9;  // paint thinner than this counts less
 constexpr double kOffTurfWeight = 0.4;        // a predicted line where no turf is may be hidden
-constexpr float kLeastAlong = 0.30F;  // sine between a ridge and a marking that still agree
+constexpr float kLeastAlong = 0.30F;          // sine between a ridge and a marking that still agree
 
 // Projection in single precision for scoring.
 struct FastCamera {
@@ -89,7 +89,8 @@ Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
       if (std::abs(across) < tolerance && beyond < tolerance + 8 &&
           std::abs(ridge.normal.dot(along)) < kLeastAlong * along.norm()) {
         hit = true;
-        const double share = 1 - static_cast<double>(across * across) / (tolerance_px * tolerance_px);
+        const double share =
+            1 - static_cast<double>(across * across) / (tolerance_px * tolerance_px);
         sum.confirmed += weight * share;
         sum.matched_px += std::max(std::abs(along.x()), std::abs(along.y())) * sample.step * share;
         sum.seen_m += sample.step;
@@ -223,8 +224,7 @@ MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m)
       const Eigen::Vector2d t = marking.tangent(at);
       MarkingSamples::Sample sample;
       sample.point = pitch.on_turf(p).cast<float>();
-      const double slope =
-          (pitch.turf_z(p.y() + 0.5 * t.y()) - pitch.turf_z(p.y() - 0.5 * t.y()));
+      const double slope = (pitch.turf_z(p.y() + 0.5 * t.y()) - pitch.turf_z(p.y() - 0.5 * t.y()));
       sample.tangent = Eigen::Vector3d(t.x(), t.y(), slope).normalized().cast<float>();
       // A dashed line is painted over part of its length only: it may be missing where it is
       // predicted, and counts less.

@@ -44,8 +44,8 @@ struct PoseScore {
   }
 };
 
-// Fast: `explained` is the matched length over the number of ridge points. Samples at `tolerance_px`
-// count nothing.
+// Fast: `explained` is the matched length over the number of ridge points. Samples at
+// `tolerance_px` count nothing.
 PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
                      double tolerance_px);
 
@@ -67,11 +67,11 @@ PointOnMarking match_point(const pitch::PitchModel& pitch, const Pose& pose,
                            const RidgePoint& point, double tolerance_px);
 
 struct RefineOptions {
-  bool position = false;            // also find the position
-  bool lens = false;                // also find k1
+  bool position = false;                   // also find the position
+  bool lens = false;                       // also find k1
   const geometry::Mount* mount = nullptr;  // lens over zoom and levelling, where known
-  double roll_sigma = 0.002;        // radians, of roll in the head's frame
-  double shift_sigma = 0.01;        // of k1's shift at the picture corner, share of the radius
+  double roll_sigma = 0.002;               // radians, of roll in the head's frame
+  double shift_sigma = 0.01;  // of k1's shift at the picture corner, share of the radius
   std::span<const double> tolerances_px;  // one iteration each
 };
 // Gauss-Newton on the distance from marking samples to the nearest ridges. False when it breaks

@@ -1,0 +1,327 @@
+#include "edge/calibrate/cold_start.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "edge/calibrate/pose_score_internal.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kFurthestVanishingPoint = 60;  // in picture widths
+constexpr int kScored = 400;                    // proposals kept for a closer look
+
+// All straight markings that lie on one line of the pitch, along X or along Y.
+struct PencilLine {
+  double at = 0;  // y of a line along X, x of a line along Y
+  double z = 0;
+  std::vector<std::array<double, 2>> spans;
+
+  bool covers(double along, double slack) const {
+    for (const auto& span : spans)
+      if (along > span[0] - slack && along < span[1] + slack) return true;
+    return false;
+  }
+};
+
+// The lines along X (axis 0) or along Y (axis 1).
+std::vector<PencilLine> pencil(const pitch::PitchModel& pitch, int axis) {
+  std::vector<PencilLine> lines;
+  const int other = 1 - axis;
+  for (const pitch::Marking& marking : pitch.markings) {
+    if (marking.shape != pitch::MarkingShape::kLine) continue;
+    if (std::abs(marking.start[other] - marking.end[other]) > 0.01) continue;
+    const double at = marking.start[other];
+    auto line = std::find_if(lines.begin(), lines.end(), [&](const PencilLine& candidate) {
+      return std::abs(candidate.at - at) < 0.05;
+    });
+    if (line == lines.end()) {
+      lines.push_back({});
+      line = lines.end() - 1;
+      line->at = at;
+      line->z = axis == 0 ? pitch.turf_z(at) : -pitch.crown_m / 3;
+    }
+    line->spans.push_back({std::min(marking.start[axis], marking.end[axis]),
+                           std::max(marking.start[axis], marking.end[axis])});
+  }
+  return lines;
+}
+
+struct Proposal {
+  Pose pose;
+  double score = 0;
+};
+
+// A picture line in coordinates from the picture's middle.
+struct CentredLine {
+  Eigen::Vector3d line;  // a x + b y + c = 0, (a, b) unit
+  Eigen::Vector2d start, end;
+};
+
+class Search {
+ public:
+  Search(const LineMap& map, const pitch::PitchModel& pitch, Side side,
+         const ColdStartOptions& options)
+      : map_(map),
+        pitch_(pitch),
+        side_(side),
+        options_(options),
+        coarse_(sample_markings(pitch, 2.0)),
+        fine_(sample_markings(pitch, 0.5)),
+        scale_(std::max(map.height / 1080.0, 0.4)) {
+    for (int axis = 0; axis < 2; ++axis)
+      pencils_[static_cast<std::size_t>(axis)] = pencil(pitch, axis);
+    centre_ = {0.5 * (map.width - 1), 0.5 * (map.height - 1)};
+    const std::size_t count = std::min(map.lines.size(), static_cast<std::size_t>(options.lines));
+    for (std::size_t i = 0; i < count; ++i) {
+      const LineHypothesis& line = map.lines[i];
+      lines_.push_back({Eigen::Vector3d(line.normal.x(), line.normal.y(),
+                                        line.normal.dot(centre_) - line.offset),
+                        line.start - centre_, line.end - centre_});
+    }
+  }
+
+  std::vector<ColdHypothesis> run() {
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+      for (std::size_t j = i + 1; j < lines_.size(); ++j)
+        for (std::size_t k = 0; k < lines_.size(); ++k)
+          if (k != i && k != j) try_lines(lines_[i], lines_[j], lines_[k]);
+    return finish();
+  }
+
+ private:
+  // i and j taken for parallel, k for a line across them.
+  void try_lines(const CentredLine& i, const CentredLine& j, const CentredLine& k) {
+    const Eigen::Vector3d v = i.line.cross(j.line);
+    if (std::abs(v.z()) < 1e-9) return;
+    const Eigen::Vector2d vanishing = v.head<2>() / v.z();
+    if (vanishing.norm() > kFurthestVanishingPoint * map_.width) return;
+    if (between(i, vanishing) || between(j, vanishing)) return;
+    const double horizon = vanishing.y();
+    if (std::abs(k.line.x()) < 1e-6) return;
+    const double across = -(k.line.y() * horizon + k.line.z()) / k.line.x();
+    if (between(k, {across, horizon})) return;
+    const double squared = -(vanishing.x() * across + horizon * horizon);
+    if (squared <= 0) return;
+    const double focal = std::sqrt(squared);
+    if (focal < options_.least_focal * map_.width || focal > options_.most_focal * map_.width)
+      return;
+    const Eigen::Vector3d up = Eigen::Vector3d(0, -focal, horizon).normalized();
+    const Eigen::Vector3d along = Eigen::Vector3d(vanishing.x(), horizon, focal).normalized();
+    for (const double sign : {1.0, -1.0}) {
+      for (int axis = 0; axis < 2; ++axis) {
+        Eigen::Matrix3d rotation;
+        if (axis == 0) {
+          rotation.col(0) = sign * along;
+          rotation.col(1) = up.cross(rotation.col(0));
+        } else {
+          rotation.col(1) = sign * along;
+          rotation.col(0) = rotation.col(1).cross(up);
+        }
+        rotation.col(2) = up;
+        if (faces_pitch(rotation)) try_rotation(i, j, k, axis, focal, rotation);
+      }
+    }
+  }
+
+  // The optical axis points away from the camera's own side.
+  bool faces_pitch(const Eigen::Matrix3d& rotation) const {
+    const Eigen::Vector3d forward = rotation.row(2);
+    const double least = -0.3;  // a camera at a corner may look a little backwards
+    switch (side_) {
+      case Side::kMain:
+        return forward.y() > least;
+      case Side::kReverse:
+        return forward.y() < -least;
+      case Side::kLeft:
+        return forward.x() > least;
+      case Side::kRight:
+        break;
+    }
+    return forward.x() < -least;
+  }
+
+  void try_rotation(const CentredLine& i, const CentredLine& j, const CentredLine& k, int axis,
+                    double focal, const Eigen::Matrix3d& rotation) {
+    const std::array<const CentredLine*, 3> picture{&i, &j, &k};
+    Eigen::Matrix3d planes;
+    for (int r = 0; r < 3; ++r) {
+      const Eigen::Vector3d& line = picture[static_cast<std::size_t>(r)]->line;
+      planes.row(r) = (rotation.transpose() * Eigen::Vector3d(line.x(), line.y(), line.z() / focal))
+                          .normalized();
+    }
+    const Eigen::FullPivLU<Eigen::Matrix3d> lu(planes);
+    if (!lu.isInvertible() || lu.rcond() < 1e-5) return;
+    const Eigen::Matrix3d inverse = planes.inverse();
+    const auto& parallel = pencils_[static_cast<std::size_t>(axis)];
+    const auto& others = pencils_[static_cast<std::size_t>(1 - axis)];
+    const auto offset = [&](int row, const PencilLine& line, int line_axis) {
+      return planes(row, 1 - line_axis) * line.at + planes(row, 2) * line.z;
+    };
+    for (const PencilLine& a : parallel) {
+      for (const PencilLine& b : parallel) {
+        if (&a == &b) continue;
+        for (const PencilLine& c : others) {
+          const Eigen::Vector3d position =
+              inverse *
+              Eigen::Vector3d(offset(0, a, axis), offset(1, b, axis), offset(2, c, 1 - axis));
+          if (!plausible(position, side_, pitch_, options_.bounds)) continue;
+          if (!lies_on(i, a, axis, focal, rotation, position) ||
+              !lies_on(j, b, axis, focal, rotation, position) ||
+              !lies_on(k, c, 1 - axis, focal, rotation, position))
+            continue;
+          propose(focal, rotation, position);
+        }
+      }
+    }
+  }
+
+  // The middle of the picture line, cast on the turf, lies where the pitch line is painted.
+  bool lies_on(const CentredLine& line, const PencilLine& on, int axis, double focal,
+               const Eigen::Matrix3d& rotation, const Eigen::Vector3d& position) const {
+    for (const double t : {0.25, 0.75}) {
+      const Eigen::Vector2d p = (1 - t) * line.start + t * line.end;
+      const Eigen::Vector3d ray = rotation.transpose() * Eigen::Vector3d(p.x(), p.y(), focal);
+      if (ray.z() >= -1e-6) return false;
+      const double along = position[axis] + ray[axis] * (on.z - position.z()) / ray.z();
+      if (!on.covers(along, 4.0)) return false;
+    }
+    return true;
+  }
+
+  void propose(double focal, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& position) {
+    Proposal proposal;
+    proposal.pose.model = {map_.width, map_.height, focal, focal, centre_.x(), centre_.y(), 0, 0};
+    proposal.pose.rotation = rotation;
+    proposal.pose.position = position;
+    const PoseScore score = score_fast(map_, coarse_, proposal.pose, 16 * scale_);
+    proposal.score = score.score();
+    if (proposal.score < 0.15) return;
+    if (proposals_.size() >= kScored && proposal.score <= proposals_.front().score) return;
+    const auto worse = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
+    proposals_.push_back(proposal);
+    std::push_heap(proposals_.begin(), proposals_.end(), worse);
+    if (proposals_.size() > kScored) {
+      std::pop_heap(proposals_.begin(), proposals_.end(), worse);
+      proposals_.pop_back();
+    }
+  }
+
+  static bool between(const CentredLine& line, const Eigen::Vector2d& p) {
+    const Eigen::Vector2d d = line.end - line.start;
+    const double t = (p - line.start).dot(d) / d.squaredNorm();
+    return t > 0.02 && t < 0.98;
+  }
+
+  static bool same(const Pose& a, const Pose& b) {
+    return (a.position - b.position).norm() < 1.0 &&
+           std::abs(std::log(a.model.fx / b.model.fx)) < 0.03 && picture_distance(a, b) < 40;
+  }
+
+  std::vector<ColdHypothesis> finish() {
+    std::stable_sort(proposals_.begin(), proposals_.end(),
+                     [](const Proposal& a, const Proposal& b) { return a.score > b.score; });
+    std::vector<Proposal> chosen;
+    for (const Proposal& proposal : proposals_) {
+      if (static_cast<int>(chosen.size()) >= options_.refined) break;
+      if (std::none_of(chosen.begin(), chosen.end(),
+                       [&](const Proposal& other) { return same(other.pose, proposal.pose); }))
+        chosen.push_back(proposal);
+    }
+    std::vector<ColdHypothesis> found;
+    std::vector<Pose> poses;
+    const std::array<double, 12> tolerances{24, 24, 20, 16, 14, 12, 10, 8, 6, 5, 4, 4};
+    std::array<double, 12> scaled{};
+    for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = tolerances[i] * scale_;
+    RefineOptions refine_options;
+    refine_options.position = true;
+    refine_options.lens = options_.refine_lens;
+    refine_options.roll_sigma = 0.5 * options_.most_roll_deg * kPi / 180;
+    refine_options.tolerances_px = scaled;
+    struct Candidate {
+      Pose pose;
+      PoseScore score;
+    };
+    std::vector<Candidate> candidates;
+    for (Proposal& proposal : chosen) {
+      Pose pose = proposal.pose;
+      if (!refine(map_, coarse_, refine_options, pose)) continue;
+      if (!plausible(pose.position, side_, pitch_, options_.bounds)) continue;
+      if (pose.model.fx < options_.least_focal * map_.width ||
+          pose.model.fx > options_.most_focal * map_.width)
+        continue;
+      const double roll = geometry::pan_tilt_roll(Eigen::Quaterniond(pose.rotation)).z();
+      if (std::abs(roll) > options_.most_roll_deg * kPi / 180) continue;
+      candidates.push_back({pose, score_exact(map_, fine_, pitch_, pose, 5 * scale_, 1200)});
+    }
+    std::stable_sort(
+        candidates.begin(), candidates.end(),
+        [](const Candidate& a, const Candidate& b) { return a.score.score() > b.score.score(); });
+    for (const Candidate& candidate : candidates) {
+      if (static_cast<int>(found.size()) >= options_.kept) break;
+      if (candidate.score.confirmed < options_.least_confirmed ||
+          candidate.score.explained < options_.least_explained || candidate.score.directions < 2)
+        continue;
+      if (std::any_of(poses.begin(), poses.end(),
+                      [&](const Pose& other) { return same(other, candidate.pose); }))
+        continue;
+      poses.push_back(candidate.pose);
+      ColdHypothesis hypothesis;
+      hypothesis.model = candidate.pose.model;
+      const Eigen::Quaterniond rotation = Eigen::Quaterniond(candidate.pose.rotation).normalized();
+      hypothesis.cam_from_world = {rotation, -(rotation * candidate.pose.position)};
+      hypothesis.score = candidate.score.score();
+      hypothesis.confirmed = candidate.score.confirmed;
+      hypothesis.explained = candidate.score.explained;
+      hypothesis.rms_px = candidate.score.rms_px;
+      found.push_back(hypothesis);
+    }
+    return found;
+  }
+
+  const LineMap& map_;
+  const pitch::PitchModel& pitch_;
+  Side side_;
+  const ColdStartOptions& options_;
+  MarkingSamples coarse_;
+  MarkingSamples fine_;
+  double scale_;
+  Eigen::Vector2d centre_;
+  std::array<std::vector<PencilLine>, 2> pencils_;
+  std::vector<CentredLine> lines_;
+  std::vector<Proposal> proposals_;  // heap, the worst in front
+};
+
+}  // namespace
+
+base::Status ColdStartOptions::validate() const {
+  const auto check = [](const char* field, double value, double least,
+                        double most) -> base::Status {
+    if (value >= least && value <= most) return {};
+    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
+                      fmt::format("must be {} to {}", least, most));
+  };
+  for (const base::Status& status :
+       {check("least_focal", least_focal, 0.2, 20),
+        check("most_focal", most_focal, least_focal, 40),
+        check("most_roll_deg", most_roll_deg, 0.01, 20), check("lines", lines, 3, 40),
+        check("refined", refined, 1, 2000), check("kept", kept, 1, 1000),
+        check("least_confirmed", least_confirmed, 0, 1),
+        check("least_explained", least_explained, 0, 1)})
+    if (!status) return status;
+  return {};
+}
+
+std::vector<ColdHypothesis> cold_start(const LineMap& map, const pitch::PitchModel& pitch,
+                                       Side side, const ColdStartOptions& options) {
+  if (map.lines.size() < 3) return {};
+  return Search(map, pitch, side, options).run();
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,302 @@
+#include "edge/calibrate/hough_initialiser.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "edge/calibrate/pose_score_internal.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kPictureLines = 12;   // strongest Hough lines that are tried
+constexpr int kKept = 600;          // proposals kept for refinement
+constexpr double kArcStepDeg = 12;  // between tangents of an arc
+constexpr double kDistinctPx = 60;  // two poses are distinct beyond this, at 1080 lines
+
+// A straight marking, or a tangent of an arc over the part where the arc is nearly straight.
+struct ModelLine {
+  Eigen::Vector3d normal_in_head;  // unit, of the plane through the camera and the line
+  Eigen::Vector3d start, end;      // in the head's frame, from the camera's position
+};
+
+struct Proposal {
+  double pan = 0, tilt = 0, focal = 0;
+  double score = 0;
+};
+
+std::vector<ModelLine> model_lines(const pitch::PitchModel& pitch, const geometry::Mount& mount) {
+  std::vector<ModelLine> lines;
+  const Eigen::Matrix3d head_from_world =
+      geometry::world_from_head(mount).conjugate().toRotationMatrix();
+  const auto add = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    ModelLine line;
+    line.start = head_from_world * (pitch.on_turf(a) - mount.position_in_world);
+    line.end = head_from_world * (pitch.on_turf(b) - mount.position_in_world);
+    const Eigen::Vector3d normal = line.start.cross(line.end);
+    if (normal.norm() < 1e-6) return;
+    line.normal_in_head = normal.normalized();
+    lines.push_back(line);
+  };
+  for (const pitch::Marking& marking : pitch.markings) {
+    if (marking.shape == pitch::MarkingShape::kLine) {
+      // Markings on one line of the pitch (a goal line with its boxes' ends) are one marking each.
+      add(marking.start, marking.end);
+    } else if (marking.shape == pitch::MarkingShape::kArc && marking.radius > 3) {
+      const double length = marking.length();
+      const double step = marking.radius * kArcStepDeg * kPi / 180;
+      const int count = std::max(1, static_cast<int>(std::lround(length / step)));
+      for (int i = 0; i < count; ++i) {
+        const double at = (i + 0.5) * length / count;
+        const Eigen::Vector2d p = marking.at(at);
+        const Eigen::Vector2d t = marking.tangent(at);
+        add(p - 0.45 * marking.radius * t, p + 0.45 * marking.radius * t);
+      }
+    }
+  }
+  return lines;
+}
+
+// Share of a segment's length that another, on the same plane through the camera, covers: both are
+// given by directions; the angle along the plane is compared.
+bool within_span(const Eigen::Vector3d& direction, const ModelLine& line, double slack) {
+  const Eigen::Vector3d a = line.start.normalized();
+  const Eigen::Vector3d b = line.end.normalized();
+  const Eigen::Vector3d u = a;
+  const Eigen::Vector3d v = (b - b.dot(u) * u).normalized();
+  const double span = std::atan2(b.dot(v), b.dot(u));
+  const double angle = std::atan2(direction.dot(v), direction.dot(u));
+  return angle > -slack && angle < span + slack;
+}
+
+}  // namespace
+
+struct Initialiser::State {
+  pitch::PitchModel pitch;
+  geometry::Mount mount;
+  InitialiseOptions options;
+  std::vector<ModelLine> lines;
+  MarkingSamples coarse;
+  MarkingSamples fine;
+  Eigen::Matrix3d head_from_world;
+
+  Pose pose(double pan, double tilt, double focal) const {
+    Pose result;
+    result.model = geometry::camera_model(mount, focal);
+    result.rotation =
+        geometry::cam_from_reference(pan, tilt, 0).toRotationMatrix() * head_from_world;
+    result.position = mount.position_in_world;
+    return result;
+  }
+  std::vector<Proposal> propose(const LineMap& map, int& tried) const;
+  void propose_line(const LineMap& map, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                    double focal, double tolerance, std::vector<Proposal>& kept, int& tried) const;
+};
+
+// Poses without roll that put a model line on the picture line between the directions `from` and
+// `to` (in the camera's frame), for one focal length.
+void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d& from,
+                                      const Eigen::Vector3d& to, double focal, double tolerance,
+                                      std::vector<Proposal>& kept, int& tried) const {
+  const Eigen::Vector3d n = from.cross(to).normalized();
+  const double slack = 30 / focal;
+  const auto worse = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
+  for (const ModelLine& line : lines) {
+    const Eigen::Vector3d& m = line.normal_in_head;
+    const double level = m.head<2>().norm();
+    if (std::abs(n.x()) >= level) continue;
+    const double phase = std::atan2(m.y(), m.x());
+    for (const double sign : {1.0, -1.0}) {
+      const double open = std::acos(sign * n.x() / level);
+      for (const double branch : {1.0, -1.0}) {
+        const double pan = -phase + branch * open;
+        const double h = std::sin(pan) * m.x() + std::cos(pan) * m.y();
+        const double tilt = std::atan2(m.z() * sign * n.z() + h * sign * n.y(),
+                                       h * sign * n.z() - m.z() * sign * n.y());
+        if (tilt < options.least_tilt_deg * kPi / 180 || tilt > options.most_tilt_deg * kPi / 180)
+          continue;
+        const Eigen::Matrix3d rotation =
+            geometry::cam_from_reference(pan, tilt, 0).toRotationMatrix();
+        const Eigen::Vector3d a = rotation.transpose() * from;
+        const Eigen::Vector3d b = rotation.transpose() * to;
+        if (!within_span(a, line, slack) || !within_span(b, line, slack)) continue;
+        ++tried;
+        const Pose candidate = pose(pan, tilt, focal);
+        const double score = score_fast(map, coarse, candidate, tolerance).score();
+        if (score < 0.2 || (kept.size() >= kKept && score <= kept.front().score)) continue;
+        kept.push_back({pan, tilt, focal, score});
+        std::push_heap(kept.begin(), kept.end(), worse);
+        if (kept.size() > kKept) {
+          std::pop_heap(kept.begin(), kept.end(), worse);
+          kept.pop_back();
+        }
+      }
+    }
+  }
+}
+
+std::vector<Proposal> Initialiser::State::propose(const LineMap& map, int& tried) const {
+  std::vector<Proposal> kept;
+  const double scale = std::max(map.height / 1080.0, 0.4);
+  const double least = std::log(options.least_focal * map.width);
+  const double most = std::log(options.most_focal * map.width);
+  const int steps = std::max(1, static_cast<int>(std::ceil((most - least) / options.focal_step)));
+  // The strongest lines; of a curve's many short ones no more than fit in the list.
+  const std::size_t count = std::min(map.lines.size(), static_cast<std::size_t>(kPictureLines));
+  for (int s = 0; s <= steps; ++s) {
+    const double focal = std::exp(least + (most - least) * s / steps);
+    const geometry::CameraModel model = geometry::camera_model(mount, focal);
+    for (std::size_t i = 0; i < count; ++i) {
+      const LineHypothesis& line = map.lines[i];
+      propose_line(map, model.unproject(line.start), model.unproject(line.end), focal, 24 * scale,
+                   kept, tried);
+    }
+  }
+  std::stable_sort(kept.begin(), kept.end(),
+                   [](const Proposal& a, const Proposal& b) { return a.score > b.score; });
+  return kept;
+}
+
+Initialiser::Initialiser(const pitch::PitchModel& pitch, const geometry::Mount& mount,
+                         const InitialiseOptions& options) {
+  auto state = std::make_unique<State>();
+  state->pitch = pitch;
+  state->mount = mount;
+  state->options = options;
+  state->lines = model_lines(pitch, mount);
+  state->coarse = sample_markings(pitch, 1.5);
+  state->fine = sample_markings(pitch, 0.3);
+  state->head_from_world = geometry::world_from_head(mount).conjugate().toRotationMatrix();
+  state_ = std::move(state);
+}
+
+Initialiser::~Initialiser() = default;
+Initialiser::Initialiser(Initialiser&&) noexcept = default;
+Initialiser& Initialiser::operator=(Initialiser&&) noexcept = default;
+
+std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map) const {
+  InitialiseReport report;
+  return find(map, report);
+}
+
+std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
+                                                          InitialiseReport& report) const {
+  report = {};
+  const State& state = *state_;
+  const InitialiseOptions& options = state.options;
+  if (map.turf_share <= 0) {
+    report.stopped_because = "no turf";
+    return std::nullopt;
+  }
+  if (map.lines.empty()) {
+    report.stopped_because = "no lines";
+    return std::nullopt;
+  }
+  const double scale = std::max(map.height / 1080.0, 0.4);
+  const std::vector<Proposal> proposals = state.propose(map, report.proposals);
+
+  struct Candidate {
+    Pose start;
+    Pose pose;
+    PoseScore score;
+  };
+  std::vector<Candidate> candidates;
+  constexpr std::array<double, 10> kTolerances{24, 24, 20, 16, 12, 10, 8, 6, 4, 4};
+  std::array<double, 10> scaled{};
+  for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = kTolerances[i] * scale;
+  RefineOptions refine_options;
+  refine_options.mount = &state.mount;
+  refine_options.roll_sigma = 0.001;
+  refine_options.tolerances_px = scaled;
+  for (const Proposal& proposal : proposals) {
+    if (static_cast<int>(candidates.size()) >= options.refined) break;
+    const Pose start = state.pose(proposal.pan, proposal.tilt, proposal.focal);
+    if (std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+          return picture_distance(other.start, start) < 40 * scale;
+        }))
+      continue;
+    Pose pose = start;
+    if (!refine(map, state.coarse, refine_options, pose)) continue;
+    candidates.push_back({start, pose, score_fast(map, state.fine, pose, 5 * scale)});
+  }
+  if (candidates.empty()) {
+    report.stopped_because = "nothing fits";
+    return std::nullopt;
+  }
+  const auto better = [](const Candidate& a, const Candidate& b) {
+    return a.score.score() > b.score.score();
+  };
+  std::stable_sort(candidates.begin(), candidates.end(), better);
+  constexpr std::size_t kJudged = 6;
+  if (candidates.size() > kJudged) candidates.resize(kJudged);
+  for (Candidate& candidate : candidates)
+    candidate.score = score_exact(map, state.fine, state.pitch, candidate.pose, 5 * scale, 800);
+  std::stable_sort(candidates.begin(), candidates.end(), better);
+  const Candidate& best = candidates.front();
+  report.score = best.score.score();
+  report.confirmed = best.score.confirmed;
+  report.explained = best.score.explained;
+  report.rms_px = best.score.rms_px;
+  for (const Candidate& other : candidates)
+    if (picture_distance(other.pose, best.pose) > kDistinctPx * scale)
+      report.second = std::max(report.second, other.score.score());
+
+  if (best.score.confirmed < options.least_confirmed) {
+    report.stopped_because = "predicted lines not confirmed";
+  } else if (best.score.explained < options.least_explained) {
+    report.stopped_because = "lines in the picture not explained";
+  } else if (best.score.seen_m < options.least_seen_m || best.score.directions < 2) {
+    report.stopped_because = "too little line";
+  } else if (best.score.rms_px > options.most_rms_px * scale) {
+    report.stopped_because = "residual too large";
+  } else if (report.second > report.score * (1 - options.least_margin)) {
+    report.stopped_because = "ambiguous";
+  } else {
+    report.stopped_because = "accepted";
+  }
+  if (report.stopped_because != "accepted") return std::nullopt;
+
+  geometry::CameraEstimate estimate;
+  estimate.model = best.pose.model;
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(best.pose.rotation).normalized();
+  estimate.cam_from_world = {rotation, -(rotation * best.pose.position)};
+  estimate.evidence = geometry::Evidence::kLines;
+  estimate.rms_px = best.score.rms_px;
+  // A bound rather than an estimate: tracking takes over from here with better points.
+  const double pixel = 2 * scale / best.pose.model.fx;
+  estimate.covariance.setZero();
+  estimate.covariance(0, 0) = pixel * pixel;
+  estimate.covariance(1, 1) = pixel * pixel;
+  estimate.covariance(2, 2) = 1e-7;
+  estimate.covariance(3, 3) = 1e-5;
+  estimate.covariance.block<3, 3>(6, 6) = state.mount.covariance.topLeftCorner<3, 3>();
+  return estimate;
+}
+
+base::Status InitialiseOptions::validate() const {
+  const auto check = [](const char* field, double value, double least,
+                        double most) -> base::Status {
+    if (value >= least && value <= most) return {};
+    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
+                      fmt::format("must be {} to {}", least, most));
+  };
+  for (const base::Status& status :
+       {check("least_focal", least_focal, 0.2, 40),
+        check("most_focal", most_focal, least_focal, 80),
+        check("focal_step", focal_step, 0.002, 0.5),
+        check("least_tilt_deg", least_tilt_deg, -90, 90),
+        check("most_tilt_deg", most_tilt_deg, least_tilt_deg, 90),
+        check("refined", refined, 1, 5000), check("least_confirmed", least_confirmed, 0, 1),
+        check("least_explained", least_explained, 0, 1),
+        check("least_seen_m", least_seen_m, 0, 1000), check("least_margin", least_margin, 0, 1),
+        check("most_rms_px", most_rms_px, 0.05, 50)})
+    if (!status) return status;
+  return {};
+}
+
+}  // namespace touchline::calibrate
