@@ -17,8 +17,10 @@ inline constexpr std::uint16_t kSchemaVersion = 1;
 // Bounds of touchline.idl; a message beyond them is refused by send() with an Error.
 inline constexpr std::size_t kMaxParts = 8;
 inline constexpr std::size_t kMaxPartBytes = 16u << 20;
+inline constexpr std::size_t kMaxFrameBytes = 32u << 20;  // of all parts together
 inline constexpr std::size_t kMaxPlateBytes = 4u << 20;
 inline constexpr std::size_t kMaxNameChars = 32;  // camera ids, names of stages and reasons
+inline constexpr std::size_t kMaxSourceChars = 1024;
 inline constexpr std::size_t kMaxTextChars = 4096;
 inline constexpr std::size_t kMaxListEntries = 64;  // stages, drop reasons
 
