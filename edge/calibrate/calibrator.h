@@ -21,22 +21,27 @@ struct CalibrateOptions {
   TrackOptions track;
   LineMapOptions line_map;
   InitialiseOptions initialise;
-  // True for a camera that does not move: its pose is held together over time and `initial` given
-  // to the calibrator is trusted.
+  // True for a camera that does not move: its pose is averaged over time, and stands where people
+  // hide the lines.
   bool fixed = false;
-  // What the head may do between frames beyond going on as it did: standard deviations of the
-  // change of speed over one second.
-  double pan_acceleration_deg = 20;   // degrees a second squared
-  double tilt_acceleration_deg = 10;  // the same
-  double log_focal_acceleration = 1;  // a second squared
-  // Sigma of a pose found by the initialiser.
-  double initial_pan_sd_deg = 0.3;
-  double initial_tilt_sd_deg = 0.2;
-  double initial_log_focal_sd = 0.03;
-  double coast_s = 0.4;          // prediction without lines before the search begins anew
-  double check_period_s = 0.5;   // between looks at the whole picture while tracking
-  double least_explained = 0.5;  // share of the white ridges on the pitch that lie on markings
-  double explain_px = 6;         // how near is on, pixels at 1080 lines
+  // What the head may do beyond going on as it did: standard deviations of its acceleration.
+  double pan_acceleration_deg = 60;   // degrees a second squared
+  double tilt_acceleration_deg = 30;  // the same
+  double log_focal_acceleration = 2;  // a second squared
+  double fixed_drift_deg = 0.002;     // of a fixed camera, degrees a square root second
+  // Standard deviations of a pose found by the initialiser, and of the rates then.
+  double initial_pan_sd_deg = 0.2;
+  double initial_tilt_sd_deg = 0.15;
+  double initial_log_focal_sd = 0.02;
+  double initial_pan_rate_deg = 8;  // a second
+  double initial_tilt_rate_deg = 4;
+  double initial_log_focal_rate = 0.3;
+  double coast_s = 0.4;           // a prediction without lines is worth trying for this long
+  double search_period_s = 0.2;   // between searches of the whole picture while lost
+  double check_period_s = 0.5;    // between looks at the whole picture while tracking
+  double least_explained = 0.5;   // share of the white ridges on the pitch that lie on markings
+  double explain_px = 6;          // how near is on, pixels at 1080 lines
+  int least_explain_points = 60;  // ridge points without which nothing is said
 
   base::Status validate() const;
 };
@@ -49,7 +54,8 @@ class Calibrator {
   Calibrator(Calibrator&&) noexcept;
   Calibrator& operator=(Calibrator&&) noexcept;
 
-  // Where the camera points at first, if known (a fixed camera's survey, a head's encoders).
+  // Where the camera points at first, if known (a fixed camera's survey, a head's encoders). Where
+  // its covariance is zero, the initialiser's is taken. A fixed camera keeps the roll given here.
   void start_from(const geometry::CameraEstimate& initial);
 
   // Frames in the order of their time stamps. A lost frame has evidence kLost and a reason.

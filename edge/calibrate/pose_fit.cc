@@ -70,6 +70,10 @@ Prior make_prior(const geometry::Mount& mount, const geometry::CameraEstimate& p
           inverse(i, k);
   const double roll_sd = options.roll_sd_deg * kRadians;
   prior.precision(2, 2) = 1 / (roll_sd * roll_sd);
+  if (predicted.covariance(2, 2) > 0) {
+    prior.mean(2) = pose.roll;
+    prior.precision(2, 2) = 1 / predicted.covariance(2, 2);
+  }
   if (options.lens_sd > 0) {
     const double corner = std::hypot(std::max(mount.cx, mount.width - 1 - mount.cx),
                                      std::max(mount.cy, mount.height - 1 - mount.cy));

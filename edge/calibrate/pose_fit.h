@@ -20,7 +20,7 @@ struct PoseFitOptions {
   double pan_sd_deg = 0.5;
   double tilt_sd_deg = 0.3;
   double log_focal_sd = 0.03;
-  // Roll of the optical axis in the head's frame: known up to this, whatever the prior says.
+  // Roll of the optical axis in the head's frame where the prior has no variance for it.
   double roll_mean_deg = 0;
   double roll_sd_deg = 0.02;
   // 0 = held at the mount; else fitted with this standard deviation round the mount.
