@@ -1,0 +1,180 @@
+#include "edge/key/difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace touchline::key {
+namespace {
+
+constexpr float kOffTurfGain = 0.08f;   // brightness of what is not turf may vary this much
+constexpr float kChromaNoise = 0.6f;    // of the luma noise
+constexpr float kEdgeCodes = 24;        // plate edges steeper than this a pixel are searched along
+constexpr float kNoTurfDeviation = 24;  // code values, where turf's colour is all there is
+
+struct RowBuffers {
+  std::vector<float> y, cb, cr;     // frame
+  std::vector<float> by, bcb, bcr;  // background
+  std::vector<float> wy, wc;        // 1 / variance
+  std::vector<float> low, high;     // bounds of s
+  std::vector<float> d;
+  explicit RowBuffers(std::size_t n)
+      : y(n), cb(n), cr(n), by(n), bcb(n), bcr(n), wy(n), wc(n), low(n), high(n), d(n) {}
+};
+
+// Squared distance of p to s b, s in [low, high].
+inline float residual(float y, float cb, float cr, float by, float bcb, float bcr, float wy,
+                      float wc, float low, float high) {
+  const float pb = wy * y * by + wc * (cb * bcb + cr * bcr);
+  const float bb = wy * by * by + wc * (bcb * bcb + bcr * bcr) + 1e-6f;
+  const float s = std::min(std::max(pb / bb, low), high);
+  const float ry = y - s * by;
+  const float rb = cb - s * bcb;
+  const float rr = cr - s * bcr;
+  return wy * ry * ry + wc * (rb * rb + rr * rr);
+}
+
+}  // namespace
+
+void chroma_row(const image::Frame& frame, std::size_t which, int y, float* out) {
+  const auto shift = image::chroma_shift(frame.format);
+  const auto& plane = frame.planes[which];
+  const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
+  const int width = frame.width();
+  if (shift.x == 0) {
+    for (int x = 0; x < width; ++x) out[x] = row[x];
+    return;
+  }
+  const int half = plane.width();
+  for (int x = 0; x + 1 < half; ++x) {
+    out[2 * x] = row[x];
+    out[2 * x + 1] = 0.5f * static_cast<float>(row[x] + row[x + 1]);
+  }
+  for (int x = 2 * (half - 1); x < width; ++x) out[x] = row[half - 1];
+}
+
+Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
+  std::array<std::vector<std::uint16_t>, 3> values;
+  const auto shift = image::chroma_shift(frame.format);
+  for (int j = 0; j < grid.rows; ++j)
+    for (int i = 0; i < grid.columns; ++i) {
+      const int x = i * kCell;
+      const int y = j * kCell;
+      if (!grid.on_turf[grid.index(i, j)] || x >= frame.width() || y >= frame.height()) continue;
+      values[0].push_back(frame.planes[0](x, y));
+      values[1].push_back(frame.planes[1](x >> shift.x, y >> shift.y));
+      values[2].push_back(frame.planes[2](x >> shift.x, y >> shift.y));
+    }
+  if (values[0].size() < 20) return {};
+  for (auto& v : values)
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+  const auto middle = [&](std::size_t c) {
+    return static_cast<float>(values[c][values[c].size() / 2]);
+  };
+  return {middle(0) - 64, middle(1) - 512, middle(2) - 512};
+}
+
+Difference difference(const image::Frame& frame, const WarpedPlate& plate, const FrameGrid& grid,
+                      const Expected& turf, const KeyOptions& options) {
+  const int width = frame.width();
+  const int height = frame.height();
+  Difference out;
+  out.distance = image::Image<std::uint8_t>(width, height, 0);
+  out.known = image::Image<std::uint8_t>(width, height, 0);
+
+  const auto shadow = static_cast<float>(options.darkest_shadow);
+  const auto bright = static_cast<float>(options.brightest_turf);
+  const auto luma_noise = static_cast<float>(options.noise_codes * options.noise_codes);
+  const float chroma_noise = kChromaNoise * kChromaNoise * luma_noise;
+  const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
+  const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
+  const auto weak = static_cast<float>(options.weak_sigma * options.weak_sigma);
+  RowBuffers row(static_cast<std::size_t>(width));
+
+  for (int y = 0; y < height; ++y) {
+    const int j = y / kCell;
+    bool any = false;
+    for (int i = 0; i * kCell < width && !any; ++i) any = grid.cell_in_volume(i, j);
+    if (!any) continue;
+
+    const std::uint16_t* luma = frame.planes[0].row(y);
+    for (int x = 0; x < width; ++x) row.y[static_cast<std::size_t>(x)] = luma[x] - 64.f;
+    chroma_row(frame, 1, y, row.cb.data());
+    chroma_row(frame, 2, y, row.cr.data());
+    std::uint8_t* known = out.known.row(y);
+    for (int i = 0; i * kCell < width; ++i) {
+      const bool in = grid.cell_in_volume(i, j);
+      const bool on_turf = in && grid.cell_on_turf(i, j);
+      const float low = on_turf ? shadow : 1 - kOffTurfGain;
+      const float high = on_turf ? bright : 1 + kOffTurfGain;
+      for (int x = i * kCell; x < std::min(width, (i + 1) * kCell); ++x) {
+        const auto k = static_cast<std::size_t>(x);
+        row.low[k] = low;
+        row.high[k] = high;
+        known[x] = !in ? 0 : plate.y(x, y) ? 1 : on_turf && turf.y > 0 ? 2 : 0;
+      }
+    }
+    const std::uint16_t* py = plate.y.row(y);
+    const std::uint16_t* pb = plate.cb.row(y);
+    const std::uint16_t* pr = plate.cr.row(y);
+    const std::uint16_t* sy = plate.luma_deviation.row(y);
+    const std::uint16_t* sc = plate.chroma_deviation.row(y);
+    for (int x = 0; x < width; ++x) {
+      const auto k = static_cast<std::size_t>(x);
+      const bool have = py[x] != 0;
+      row.by[k] = have ? py[x] * 0.0625f - 64.f : turf.y;
+      row.bcb[k] = have ? pb[x] * 0.0625f - 512.f : turf.cb;
+      row.bcr[k] = have ? pr[x] * 0.0625f - 512.f : turf.cr;
+      const float dy = have ? sy[x] * 0.0625f : 1.5f * kNoTurfDeviation;
+      const float dc = have ? sc[x] * 0.0625f : 0.5f * kNoTurfDeviation;
+      row.wy[k] = 1.f / (luma_noise + dy * dy);
+      row.wc[k] = 1.f / (chroma_noise + dc * dc);
+      row.cb[k] -= 512.f;
+      row.cr[k] -= 512.f;
+    }
+    for (int x = 0; x < width; ++x) {
+      const auto k = static_cast<std::size_t>(x);
+      row.d[k] = residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
+                          row.wy[k], row.wc[k], row.low[k], row.high[k]);
+    }
+    if (taps > 0 && y >= taps && y + taps < height) {
+      for (int x = taps; x + taps < width; ++x) {
+        const auto k = static_cast<std::size_t>(x);
+        if (row.d[k] < weak || known[x] != 1) continue;
+        float best = row.d[k];
+        for (int v = -1; v <= 1; ++v)
+          for (int u = -1; u <= 1; ++u) {
+            if (u == 0 && v == 0) continue;
+            const int nx = x + u * taps;
+            const int ny = y + v * taps;
+            const std::uint16_t ly = plate.y(nx, ny);
+            if (ly == 0) continue;
+            const float ey = ly * 0.0625f - 64.f - row.by[k];
+            const float eb = plate.cb(nx, ny) * 0.0625f - 512.f - row.bcb[k];
+            const float er = plate.cr(nx, ny) * 0.0625f - 512.f - row.bcr[k];
+            if (std::abs(ey) + std::abs(eb) + std::abs(er) < kEdgeCodes) continue;
+            // The shift along this direction that fits best, then the distance with it.
+            const float norm = row.wy[k] * ey * ey + row.wc[k] * (eb * eb + er * er);
+            const float dot =
+                row.wy[k] * (row.y[k] - row.by[k]) * ey +
+                row.wc[k] * ((row.cb[k] - row.bcb[k]) * eb + (row.cr[k] - row.bcr[k]) * er);
+            const float length = (u != 0 && v != 0 ? 1.4142f : 1.f) * static_cast<float>(taps);
+            const float t = std::clamp(dot / norm, 0.f, std::min(1.f, reach / length));
+            best = std::min(best, residual(row.y[k], row.cb[k], row.cr[k], row.by[k] + t * ey,
+                                           row.bcb[k] + t * eb, row.bcr[k] + t * er, row.wy[k],
+                                           row.wc[k], row.low[k], row.high[k]));
+          }
+        row.d[k] = best;
+      }
+    }
+    std::uint8_t* distance = out.distance.row(y);
+    for (int x = 0; x < width; ++x) {
+      const auto k = static_cast<std::size_t>(x);
+      const float d = known[x] ? std::sqrt(row.d[k]) * kDistanceScale : 0.f;
+      distance[x] = static_cast<std::uint8_t>(std::min(d, 255.f));
+    }
+  }
+  return out;
+}
+
+}  // namespace touchline::key

@@ -1,0 +1,32 @@
+// A frame's pixels at the positions of a plate tile.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shared/geometry/camera_estimate.h"
+#include "shared/image/frame.h"
+#include "shared/image/plate_snapshot.h"
+
+namespace touchline::plate {
+
+// The tile with an apron round it, as one frame shows it: (256 + 2 apron)^2 samples a plane.
+struct TileSamples {
+  std::vector<std::uint16_t> y;   // code value times 2
+  std::vector<std::uint16_t> cb;  // code values
+  std::vector<std::uint16_t> cr;
+  std::vector<std::uint8_t> inside;  // 1 where the frame shows the position
+  int seen = 0;                      // positions inside
+};
+
+// Tiles the frame touches, in ascending order; bounded by `most`.
+std::vector<image::PlateTileKey> touched_tiles(const image::PlateSnapshot& sphere,
+                                               const geometry::CameraEstimate& camera, int most);
+
+// Bilinear samples; positions are computed every 16 plate pixels and interpolated between.
+// Positions less than `border` pixels from the frame's edge count as outside.
+void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& key, int apron,
+                 const image::Frame& frame, const geometry::CameraEstimate& camera, int border,
+                 TileSamples& out);
+
+}  // namespace touchline::plate

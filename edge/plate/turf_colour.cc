@@ -1,0 +1,101 @@
+#include "edge/plate/turf_colour.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline::plate {
+namespace {
+
+constexpr std::uint64_t kLeastObservations = 200;
+constexpr double kShareOfPeak = 0.004;    // of the densest bin, below which a colour is not turf
+constexpr float kLeastSaturation = 0.2f;  // of the densest bin's, along its hue
+constexpr float kLeastHueCosine = 0.7f;   // turf lies within 45 degrees of the densest hue
+
+// Sum over the 3x3 neighbourhood, which also closes gaps of a sparse histogram.
+std::vector<std::uint32_t> smoothed(const std::vector<std::uint32_t>& in, int n) {
+  std::vector<std::uint32_t> out(in.size(), 0);
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x)
+      for (int v = std::max(0, y - 1); v <= std::min(n - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(n - 1, x + 1); ++u)
+          out[static_cast<std::size_t>(y * n + x)] += in[static_cast<std::size_t>(v * n + u)];
+  return out;
+}
+
+}  // namespace
+
+void TurfColour::observe(float y, float cb, float cr) {
+  const float luma = y - 64.f;
+  if (luma < 8.f) return;
+  const int i = bin((cb - 512.f) / luma);
+  const int j = bin((cr - 512.f) / luma);
+  ++histogram_[static_cast<std::size_t>(j * kBins + i)];
+  ++luma_[static_cast<std::size_t>(std::clamp(static_cast<int>(luma / 4.f), 0, 255))];
+  ++observed_;
+}
+
+bool TurfColour::update() {
+  if (observed_ < kLeastObservations) return ready_;
+  const auto density = smoothed(histogram_, kBins);
+  const auto peak =
+      static_cast<int>(std::max_element(density.begin(), density.end()) - density.begin());
+  const auto ratio = [](int b) {
+    return (static_cast<float>(b) + 0.5f) * (2 * kReach / kBins) - kReach;
+  };
+  const float peak_u = ratio(peak % kBins);
+  const float peak_v = ratio(peak / kBins);
+  const float saturation = std::hypot(peak_u, peak_v);
+  const double least = kShareOfPeak * density[static_cast<std::size_t>(peak)];
+
+  std::fill(table_.begin(), table_.end(), std::uint8_t{0});
+  // Grows from the densest bin, so that a kit of another colour is not taken in.
+  std::vector<int> front{peak};
+  table_[static_cast<std::size_t>(peak)] = 1;
+  while (!front.empty()) {
+    const int b = front.back();
+    front.pop_back();
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const int x = b % kBins + dx;
+        const int y = b / kBins + dy;
+        if (x < 0 || y < 0 || x >= kBins || y >= kBins) continue;
+        const auto n = static_cast<std::size_t>(y * kBins + x);
+        if (table_[n] || density[n] < least || density[n] < 2) continue;
+        const float u = ratio(x);
+        const float v = ratio(y);
+        const float along = (u * peak_u + v * peak_v) / std::max(saturation, 1e-3f);
+        if (saturation > 0.05f &&
+            (along < kLeastSaturation * saturation || along < kLeastHueCosine * std::hypot(u, v)))
+          continue;
+        table_[n] = 1;
+        front.push_back(static_cast<int>(n));
+      }
+  }
+  // Paint: between turf's hue and no colour at all, a band beside that line included.
+  for (int y = 0; y < kBins; ++y)
+    for (int x = 0; x < kBins; ++x) {
+      const float u = ratio(x);
+      const float v = ratio(y);
+      const float along = (u * peak_u + v * peak_v) / std::max(saturation, 1e-3f);
+      const float across = (u * peak_v - v * peak_u) / std::max(saturation, 1e-3f);
+      if (along > -0.06f && along < saturation && std::abs(across) < 0.08f)
+        table_[static_cast<std::size_t>(y * kBins + x)] |= 2;
+    }
+  // Luma of what passed so far is not kept apart: people are few, so quantiles of all will do.
+  const auto quantile = [&](double q) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < luma_.size(); ++i) {
+      sum += luma_[i];
+      if (static_cast<double>(sum) >= q * static_cast<double>(observed_))
+        return static_cast<float>(i) * 4.f;
+    }
+    return 1020.f;
+  };
+  least_luma_ = 0.3f * quantile(0.1);
+  most_luma_ = 1.7f * quantile(0.9);
+  paint_luma_ = 0.8f * quantile(0.5);
+  ready_ = true;
+  return true;
+}
+
+}  // namespace touchline::plate
