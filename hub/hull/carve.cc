@@ -107,7 +107,8 @@ HullResult carve(std::span<const codec::CameraView> views, const pitch::PitchMod
   }
   const std::vector<std::uint8_t> keep = choose_components(components, options);
   std::vector<CameraCoverage> coverage = project_components(maps, volume, components, keep);
-  const std::vector<std::uint8_t> phantom = find_phantoms(coverage, components, keep, options);
+  const std::vector<std::uint8_t> phantom =
+      find_phantoms(maps, coverage, components, keep, options);
   std::vector<geometry::Mesh> meshes = extract_surfaces(volume, components, keep);
 
   for (std::size_t c = 0; c < keep.size(); ++c) {

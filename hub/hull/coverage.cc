@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "hub/hull/coverage_internal.h"
 
@@ -12,7 +12,8 @@ namespace touchline::hull {
 namespace {
 
 constexpr std::uint8_t kOutside = 255;
-constexpr double kFloating = 0.3;  // metres above the turf
+constexpr double kFloating = 0.3;      // metres above the turf
+constexpr double kBallPicture = 0.45;  // a ball's silhouette is no larger than this, metres
 
 // The projection of one component as a mask over its box in the picture.
 struct Projection {
@@ -69,6 +70,64 @@ Projection project_component(const SilhouetteMap& map, const Volume& volume,
     }
   }
   return out;
+}
+
+// The connected foreground that holds any of `pixels` is no larger than `limit` pixels either way.
+bool is_small_silhouette(const image::Image<std::uint8_t>& foreground,
+                         const std::vector<std::uint32_t>& pixels, int limit) {
+  if (pixels.empty()) return false;
+  const int width = foreground.width();
+  const int x_first = static_cast<int>(pixels.front()) % width;
+  const int y_first = static_cast<int>(pixels.front()) / width;
+  // Whatever is small enough lies inside this window; its rim is never reached.
+  const int x0 = std::max(x_first - limit - 1, 0);
+  const int y0 = std::max(y_first - limit - 1, 0);
+  const int x1 = std::min(x_first + limit + 1, width - 1);
+  const int y1 = std::min(y_first + limit + 1, foreground.height() - 1);
+  image::Image<std::uint8_t> done(x1 - x0 + 1, y1 - y0 + 1);
+  std::vector<std::pair<int, int>> stack;
+  for (const std::uint32_t pixel : pixels) {
+    const int x = static_cast<int>(pixel) % width;
+    const int y = static_cast<int>(pixel) / width;
+    if (x < x0 || x > x1 || y < y0 || y > y1) return false;
+    if (done(x - x0, y - y0)) continue;
+    done(x - x0, y - y0) = 1;
+    stack.emplace_back(x, y);
+  }
+  int left = width;
+  int right = 0;
+  int top = foreground.height();
+  int bottom = 0;
+  while (!stack.empty()) {
+    const auto [x, y] = stack.back();
+    stack.pop_back();
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+    if (right - left >= limit || bottom - top >= limit) return false;
+    for (int yy = std::max(y - 1, y0); yy <= std::min(y + 1, y1); ++yy) {
+      for (int xx = std::max(x - 1, x0); xx <= std::min(x + 1, x1); ++xx) {
+        if (!foreground(xx, yy) || done(xx - x0, yy - y0)) continue;
+        done(xx - x0, yy - y0) = 1;
+        stack.emplace_back(xx, yy);
+      }
+    }
+  }
+  return true;
+}
+
+// Small, and alone in the picture of a camera at least.
+bool looks_like_ball(std::span<const SilhouetteMap> maps,
+                     const std::vector<CameraCoverage>& cameras, const Components& components,
+                     std::size_t c, const HullOptions& options) {
+  if (!may_be_ball(components.list[c], options)) return false;
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    const double depth = maps[m].in_cam(components.list[c].bounds.center()).z();
+    const int limit = static_cast<int>(kBallPicture * maps[m].camera().model.fx / depth) + 2;
+    if (is_small_silhouette(maps[m].foreground(), cameras[m].pixels[c], limit)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -133,35 +192,36 @@ bool supports(const CameraCoverage& camera, std::size_t component) {
          camera.pixels[component].size() * 20 >= camera.projected_px[component];
 }
 
-std::vector<std::uint8_t> find_phantoms(std::vector<CameraCoverage>& cameras,
+std::vector<std::uint8_t> find_phantoms(std::span<const SilhouetteMap> maps,
+                                        std::vector<CameraCoverage>& cameras,
                                         const Components& components,
                                         const std::vector<std::uint8_t>& keep,
                                         const HullOptions& options) {
   const std::size_t count = components.list.size();
   std::vector<double> weight(count);
+  std::vector<std::uint8_t> floats(count);
   std::vector<std::size_t> order;
   for (std::size_t c = 0; c < count; ++c) {
     if (!keep[c]) continue;
     const Component& component = components.list[c];
     weight[c] = static_cast<double>(component.samples);
-    if (component.lowest_m > kFloating && !may_be_ball(component, options)) weight[c] /= 4;
+    floats[c] =
+        component.lowest_m > kFloating && !looks_like_ball(maps, cameras, components, c, options);
+    if (floats[c]) weight[c] /= 4;
     order.push_back(c);
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return weight[a] < weight[b]; });
   std::vector<std::uint8_t> phantom(count, 0);
   for (const std::size_t c : order) {
-    bool explained = true;
+    int needed_by = 0;  // cameras
     for (const CameraCoverage& camera : cameras) {
       std::size_t alone = 0;
       for (const std::uint32_t pixel : camera.pixels[c]) alone += camera.count.data()[pixel] == 1;
-      if (static_cast<double>(alone) >
-          options.phantom_share * static_cast<double>(camera.pixels[c].size())) {
-        explained = false;
-        break;
-      }
+      needed_by += static_cast<double>(alone) >
+                   options.phantom_share * static_cast<double>(camera.pixels[c].size());
     }
-    if (!explained) continue;
+    if (needed_by >= (floats[c] ? 2 : 1)) continue;
     phantom[c] = 1;
     for (CameraCoverage& camera : cameras) {
       for (const std::uint32_t pixel : camera.pixels[c]) --camera.count.data()[pixel];

@@ -34,7 +34,8 @@ std::vector<CameraCoverage> project_components(std::span<const SilhouetteMap> ma
 bool supports(const CameraCoverage& camera, std::size_t component);
 
 // Tries the kept components from the lightest; takes those that are phantoms out of the counts.
-std::vector<std::uint8_t> find_phantoms(std::vector<CameraCoverage>& cameras,
+std::vector<std::uint8_t> find_phantoms(std::span<const SilhouetteMap> maps,
+                                        std::vector<CameraCoverage>& cameras,
                                         const Components& components,
                                         const std::vector<std::uint8_t>& keep,
                                         const HullOptions& options);
