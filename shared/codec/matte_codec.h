@@ -1,5 +1,6 @@
-// Mattes as bytes, without loss: class runs and predicted residuals of the alpha, run lengths of
-// the masks, entropy-coded by zstd. Only what lies in the foreground's rows costs anything.
+// Mattes as bytes, without loss: runs of classes of pixels, each row told from the one above, and
+// the partial alphas sorted by what their neighbours foretell, entropy-coded by zstd. Only what
+// lies in the foreground's rows costs anything.
 #pragma once
 
 #include <cstdint>

@@ -17,8 +17,8 @@ struct EncodeOptions {
 base::Result<EncodedView> encode(const CameraView& view, const EncodeOptions& options = {});
 
 // Unknown kinds of part are skipped; a known kind that occurs twice, has an unknown version or does
-// not decode, and a matte whose size is not the estimate's camera model's, make the whole view an
-// error.
+// not decode, and a matte whose size is not that of the camera model (unless the camera is lost),
+// make the whole view an error.
 base::Result<CameraView> decode(const EncodedView& encoded, const DecodeLimits& limits = {});
 
 }  // namespace touchline::codec
