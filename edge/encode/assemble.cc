@@ -40,17 +40,16 @@ codec::CameraView assemble(const image::Frame& frame, const geometry::CameraEsti
   view.id = frame.id;
   view.stamp = frame.stamp;
   view.estimate = estimate;
-  const std::vector<image::Rect> places =
-      tile_places(matte, options.tile_margin_px, options.tile_unknown_px);
   if (options.partial) {
     geometry::Partial partial = trace_silhouettes(matte, options.simplify_px);
     if (!estimate.lost()) bound_depths(estimate, pitch, options, partial);
-    partial.features = find_features(frame, matte, places, options.max_features);
+    partial.features = find_features(frame, matte, foreground_boxes(matte), options.max_features);
     view.partial = std::move(partial);
   }
   if (options.tiles) {
     view.tiles.emplace();
-    for (const image::Rect& place : places) {
+    for (const image::Rect& place :
+         tile_places(matte, options.tile_margin_px, options.tile_unknown_px)) {
       view.tiles->push_back({place, image::to_rgb(frame, place)});
     }
   }

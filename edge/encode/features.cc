@@ -13,7 +13,7 @@ namespace {
 using geometry::Feature;
 using image::Rect;
 
-constexpr int kBorder = 32;  // ORB looks so far round a point
+constexpr int kBorder = 20;  // ORB looks so far round a point
 constexpr int kPatch = 31;
 constexpr int kFastThreshold = 12;  // of 255
 
@@ -29,9 +29,9 @@ Rect grown_inside(const Rect& rect, int by, int width, int height) {
           std::min(height, rect.y + rect.height + by) - y};
 }
 
-void find_in(const image::Frame& frame, const image::Matte& matte, const Rect& place, int most,
+void find_in(const image::Frame& frame, const image::Matte& matte, const Rect& box, int most,
              std::vector<Scored>& found) {
-  const Rect area = grown_inside(place, kBorder, frame.width(), frame.height());
+  const Rect area = grown_inside(box, kBorder, frame.width(), frame.height());
   cv::Mat1b luma(area.height, area.width);
   cv::Mat1b mask(area.height, area.width, std::uint8_t{0});
   for (int y = 0; y < area.height; ++y) {
@@ -39,7 +39,7 @@ void find_in(const image::Frame& frame, const image::Matte& matte, const Rect& p
     const std::uint8_t* const alpha = matte.alpha.row(area.y + y) + area.x;
     for (int x = 0; x < area.width; ++x) {
       luma(y, x) = static_cast<std::uint8_t>(from[x] >> 2);
-      mask(y, x) = alpha[x] >= 128 && place.contains(area.x + x, area.y + y) ? 255 : 0;
+      mask(y, x) = alpha[x] >= 128 && box.contains(area.x + x, area.y + y) ? 255 : 0;
     }
   }
   const cv::Ptr<cv::ORB> orb = cv::ORB::create(most, 1.2f, 1, kPatch / 2 + 1, 0, 2,
@@ -66,17 +66,17 @@ void find_in(const image::Frame& frame, const image::Matte& matte, const Rect& p
 }  // namespace
 
 std::vector<Feature> find_features(const image::Frame& frame, const image::Matte& matte,
-                                   const std::vector<Rect>& places, int most) {
+                                   const std::vector<Rect>& boxes, int most) {
   if (most <= 0) return {};
-  const auto side = [](const Rect& place) {
-    return std::sqrt(static_cast<double>(place.width) * place.height);
+  const auto side = [](const Rect& box) {
+    return std::sqrt(static_cast<double>(box.width) * box.height);
   };
   double sides = 0;
-  for (const Rect& place : places) sides += side(place);
+  for (const Rect& box : boxes) sides += side(box);
   std::vector<Scored> found;
-  for (const Rect& place : places) {
-    const int share = static_cast<int>(std::ceil(1.5 * most * side(place) / sides)) + 1;
-    find_in(frame, matte, place, std::min(most, share), found);
+  for (const Rect& box : boxes) {
+    const int share = static_cast<int>(std::ceil(1.5 * most * side(box) / sides)) + 1;
+    find_in(frame, matte, box, std::min(most, share), found);
   }
   std::sort(found.begin(), found.end(), [](const Scored& a, const Scored& b) {
     return std::tuple(-a.response, a.feature.position.y(), a.feature.position.x()) <

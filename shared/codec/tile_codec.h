@@ -17,7 +17,7 @@ enum class ChromaSampling : std::uint8_t { k444, k422 };
 
 struct TileOptions {
   int quality = 92;        // JPEG quality, 1..100
-  int least_quality = 50;  // down to which quality may fall to keep max_bytes, 1..quality
+  int least_quality = 35;  // down to which quality may fall to keep max_bytes, 1..quality
   ChromaSampling chroma = ChromaSampling::k422;  // that of the video: 4:2:2
   std::size_t max_bytes = 96'000;  // of all tiles of a frame; 0 = no bound. Kept as far as
                                    // least_quality allows

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "shared/codec/matte_codec.h"
@@ -16,6 +17,17 @@ using base::ErrorKind;
 base::Error at(const base::FrameId& id, base::Error error) {
   error.where = fmt::format("{}#{} {}", id.camera.value, id.sequence, error.where);
   return error;
+}
+
+// The tile options with what the parts so far leave of the view's bytes.
+TileOptions within_budget(const EncodeOptions& options, const EncodedView& encoded) {
+  TileOptions tiles = options.tiles;
+  if (options.max_bytes == 0) return tiles;
+  std::size_t used = 0;
+  for (const EncodedPart& part : encoded.parts) used += part.bytes.size();
+  const std::size_t left = options.max_bytes > used ? options.max_bytes - used : 1;
+  tiles.max_bytes = tiles.max_bytes == 0 ? left : std::min(tiles.max_bytes, left);
+  return tiles;
 }
 
 // Takes what a part decoded to, or passes the error on.
@@ -48,7 +60,7 @@ base::Result<EncodedView> encode(const CameraView& view, const EncodeOptions& op
     encoded.parts.push_back({PartKind::kPartial, kPartialVersion, std::move(*bytes)});
   }
   if (view.tiles) {
-    auto bytes = encode_tiles(*view.tiles, options.tiles);
+    auto bytes = encode_tiles(*view.tiles, within_budget(options, encoded));
     if (!bytes) return base::fail(at(view.id, bytes.error()));
     encoded.parts.push_back({PartKind::kTiles, kTilesVersion, std::move(*bytes)});
   }
