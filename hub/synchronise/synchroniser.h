@@ -45,7 +45,7 @@ struct CameraSyncReport {
   std::uint64_t pushed = 0;
   std::uint64_t emitted = 0;
   std::uint64_t late = 0;              // kLive: came after their set had gone; not emitted
-  std::uint64_t disorder = 0;          // media time not after the previous one; not emitted
+  std::uint64_t disorder = 0;          // media time, sequence or epoch went back; not emitted
   std::uint64_t gaps = 0;              // sets in which this camera was absent while it ran
   std::uint64_t missing_sequence = 0;  // frames lost before, by sequence numbers
 };
@@ -56,7 +56,8 @@ struct SyncReport {
   std::uint64_t unknown_camera = 0;       // pushed for a camera that is not configured
 };
 
-// Not thread-safe: one thread pushes. Frame sets come out in rising order of their instants.
+// Media times within +-4e18 ns. Not thread-safe: one thread pushes. Frame sets come out in rising
+// order of their instants.
 class Synchroniser {
  public:
   Synchroniser(std::vector<base::CameraId> cameras, const SyncOptions& options);
@@ -79,18 +80,24 @@ class Synchroniser {
     std::deque<codec::EncodedView> frames;
     std::optional<base::MediaTime> newest;  // of all frames taken in
     std::uint64_t newest_sequence = 0;
+    std::uint64_t last_sequence = 0;  // of the last frame emitted
     std::uint32_t epoch = 0;
     std::optional<std::int64_t> period_ns;
     bool started = false;  // a frame was emitted
     bool ended = false;
   };
 
-  std::vector<scene::FrameSet> emit_ready(std::optional<base::MediaTime> now);
+  std::optional<std::size_t> index_of(const base::CameraId& camera) const;
+  void rank_cameras();
+  bool all_cameras_known() const;
+  bool all_cameras_past(base::MediaTime instant) const;
   std::optional<std::size_t> next_leader(base::MediaTime* before) const;
+  std::vector<scene::FrameSet> emit_ready(std::optional<base::MediaTime> now);
   scene::FrameSet take_set(std::size_t leader, base::MediaTime before);
+  codec::EncodedView pop_front(std::size_t index);
   scene::FrameSet make_set(base::MediaTime instant,
                            std::vector<std::optional<codec::EncodedView>> views);
-  void rank_cameras();
+  scene::AbsentReason absent_reason(const Camera& camera, base::MediaTime instant) const;
 
   SyncOptions options_;
   std::int64_t tolerance_ns_ = 0;
