@@ -1,7 +1,9 @@
 #include "shared/recording/planes_internal.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <string>
 
 extern "C" {
@@ -58,7 +60,22 @@ void copy_plane(const std::uint8_t* source, int stride, image::Image<std::uint16
   }
 }
 
-base::Result<Scaler> make_scaler(const AVFrame& picture, const image::Colour& colour) {
+// Full-range samples, scaled to 10 bits by a shift from `depth` bits, become limited.
+void limit_range(image::Image<std::uint16_t>& plane, int depth, bool chroma) {
+  const double most = static_cast<double>((1 << depth) - 1) * std::pow(2.0, 10 - depth);
+  std::array<std::uint16_t, kMostCode + 1> limited{};
+  for (int code = 0; code <= kMostCode; ++code) {
+    const double value = chroma ? 512 + 896 * (code - 512) / most : 64 + 876 * code / most;
+    limited[static_cast<std::size_t>(code)] =
+        static_cast<std::uint16_t>(std::lround(std::clamp(value, 4.0, 1019.0)));
+  }
+  for (int y = 0; y < plane.height(); ++y) {
+    std::transform(plane.row(y), plane.row(y) + plane.width(), plane.row(y),
+                   [&](std::uint16_t code) { return limited[code]; });
+  }
+}
+
+base::Result<Scaler> make_scaler(const AVFrame& picture, image::Matrix matrix) {
   Scaler scaler(sws_alloc_context());
   const AVPixelFormat format = plain_format(picture.format);
   const AVPixFmtDescriptor* descriptor = av_pix_fmt_desc_get(format);
@@ -76,8 +93,9 @@ base::Result<Scaler> make_scaler(const AVFrame& picture, const image::Colour& co
   set("dstw", picture.width);
   set("dsth", picture.height);
   set("dst_format", AV_PIX_FMT_YUV422P10LE);
-  const bool full = is_rgb(picture.format) || colour.range == image::Range::kFull;
-  set("src_range", full ? 1 : 0);
+  // Y'CbCr keeps its range here: swscale's own conversion is off by two codes.
+  const int source_range = is_rgb(picture.format) ? 1 : 0;
+  set("src_range", source_range);
   set("dst_range", 0);
   set("sws_flags", SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_FULL_CHR_H_INT);
   // Chroma positions in 1/256 luma samples; MPEG's own where the stream states none.
@@ -92,8 +110,8 @@ base::Result<Scaler> make_scaler(const AVFrame& picture, const image::Colour& co
     return base::fail(base::ErrorKind::kUnsupported, "pixel format",
                       std::string(descriptor->name) + ": " + ffmpeg_text(code));
   }
-  const int* table = sws_getCoefficients(swscale_matrix(colour.matrix));
-  sws_setColorspaceDetails(scaler.get(), table, full ? 1 : 0, table, 0, 0, 1 << 16, 1 << 16);
+  const int* table = sws_getCoefficients(swscale_matrix(matrix));
+  sws_setColorspaceDetails(scaler.get(), table, source_range, table, 0, 0, 1 << 16, 1 << 16);
   return scaler;
 }
 
@@ -131,21 +149,31 @@ base::Status PlaneConverter::convert(const AVFrame& picture, image::Frame& frame
   frame.planes[0] = image::Image<std::uint16_t>(picture.width, picture.height);
   frame.planes[1] = image::Image<std::uint16_t>(chroma_width, picture.height);
   frame.planes[2] = image::Image<std::uint16_t>(chroma_width, picture.height);
-  if (picture.format == AV_PIX_FMT_YUV422P10LE && !full) {
+  if (picture.format == AV_PIX_FMT_YUV422P10LE) {
     for (std::size_t i = 0; i < 3; ++i) {
       copy_plane(picture.data[i], picture.linesize[i], frame.planes[i]);
     }
-    return {};
+  } else if (auto status = scale(picture, frame); !status) {
+    return status;
   }
+  if (full && !is_rgb(picture.format)) {
+    const AVPixFmtDescriptor& descriptor = *av_pix_fmt_desc_get(plain_format(picture.format));
+    for (std::size_t i = 0; i < 3; ++i) {
+      limit_range(frame.planes[i], descriptor.comp[0].depth, i > 0);
+    }
+  }
+  return {};
+}
+
+base::Status PlaneConverter::scale(const AVFrame& picture, image::Frame& frame) {
   if (!scaler_ || width_ != picture.width || height_ != picture.height ||
-      format_ != picture.format || full_range_ != full) {
-    auto scaler = make_scaler(picture, {frame.colour.matrix, colour.range});
+      format_ != picture.format) {
+    auto scaler = make_scaler(picture, frame.colour.matrix);
     if (!scaler) return base::fail(scaler.error());
     scaler_ = std::move(*scaler);
     width_ = picture.width;
     height_ = picture.height;
     format_ = picture.format;
-    full_range_ = full;
   }
   // swscale wants aligned rows with room at their ends.
   AvFrame wide(av_frame_alloc());

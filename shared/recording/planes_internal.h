@@ -15,11 +15,13 @@ class PlaneConverter {
   base::Status convert(const AVFrame& picture, image::Frame& frame);
 
  private:
+  // Planes at 10 bits in 4:2:2; R'G'B' comes out limited, Y'CbCr in its own range.
+  base::Status scale(const AVFrame& picture, image::Frame& frame);
+
   Scaler scaler_;
   int width_ = 0;
   int height_ = 0;
   int format_ = -1;
-  bool full_range_ = false;
 };
 
 // What the picture says about its colour; BT.709 limited where it says nothing.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "shared/recording/csv_internal.h"
 #include "shared/recording/ffmpeg_internal.h"
@@ -158,26 +159,39 @@ image::Frame from_planar(const AVFrame& picture, const AVPixFmtDescriptor& descr
   });
 }
 
-// Anything else that swscale turns into 16-bit R'G'B'.
-base::Result<image::Frame> from_rgb_like(const AVFrame& picture, const std::string& file) {
-  const auto format = static_cast<AVPixelFormat>(picture.format);
-  Scaler scaler(sws_getContext(picture.width, picture.height, format, picture.width, picture.height,
-                               AV_PIX_FMT_RGB48LE, SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
-  AvFrame wide(av_frame_alloc());
-  wide->format = AV_PIX_FMT_RGB48LE;
-  wide->width = picture.width;
-  wide->height = picture.height;
-  if (!scaler || av_frame_get_buffer(wide.get(), 0) < 0 ||
-      sws_scale(scaler.get(), picture.data, picture.linesize, 0, picture.height, wide->data,
-                wide->linesize) != picture.height) {
-    return base::fail(base::ErrorKind::kUnsupported, file, "its pixels cannot be converted",
-                      "store it as JPEG or as 8-bit RGB PNG");
+// Anything else: R'G'B' or grey of any depth and packing, palettes included; alpha is left out.
+base::Result<image::Frame> from_components(const AVFrame& picture,
+                                           const AVPixFmtDescriptor& descriptor,
+                                           const std::string& file) {
+  const bool palette = (descriptor.flags & AV_PIX_FMT_FLAG_PAL) != 0;
+  const bool rgb = palette || (descriptor.flags & AV_PIX_FMT_FLAG_RGB) != 0;
+  const bool grey = !rgb && descriptor.nb_components <= 2;
+  if (!rgb && !grey) {
+    return base::fail(base::ErrorKind::kUnsupported, file,
+                      std::string(descriptor.name) + " pixels are not read",
+                      "store it as an 8-bit JPEG or as an RGB PNG");
   }
+  const int depth = palette ? 8 : descriptor.comp[0].depth;
+  const auto most = static_cast<float>((1 << depth) - 1);
+  std::array<const std::uint8_t*, 4> data{picture.data[0], picture.data[1], picture.data[2],
+                                          picture.data[3]};
+  std::array<std::vector<std::uint16_t>, 3> line;
+  for (auto& component : line) component.resize(static_cast<std::size_t>(picture.width));
+  int read_row = -1;
   return frame_from(picture.width, picture.height, [&](int x, int y) {
-    std::array<std::uint16_t, 3> rgb{};
-    std::memcpy(rgb.data(), wide->data[0] + std::ptrdiff_t{wide->linesize[0]} * y + 6 * x, 6);
-    return code_of({static_cast<float>(rgb[0]) / 65535, static_cast<float>(rgb[1]) / 65535,
-                    static_cast<float>(rgb[2]) / 65535});
+    if (y != read_row) {
+      for (int i = 0; i < 3; ++i) {
+        // A palette's bytes are B, G, R, A.
+        const int component = grey ? 0 : (palette ? 2 - i : i);
+        av_read_image_line2(line[static_cast<std::size_t>(i)].data(), data.data(), picture.linesize,
+                            &descriptor, 0, y, component, picture.width, palette ? 1 : 0, 2);
+      }
+      read_row = y;
+    }
+    const auto column = static_cast<std::size_t>(x);
+    return code_of({static_cast<float>(line[0][column]) / most,
+                    static_cast<float>(line[1][column]) / most,
+                    static_cast<float>(line[2][column]) / most});
   });
 }
 
@@ -223,12 +237,12 @@ base::Result<image::Frame> read_still(const std::filesystem::path& path) {
   }
   const AVPixFmtDescriptor* descriptor =
       av_pix_fmt_desc_get(static_cast<AVPixelFormat>(picture->format));
-  const bool planar = id == AV_CODEC_ID_MJPEG && descriptor &&
-                      (descriptor->flags & AV_PIX_FMT_FLAG_RGB) == 0 &&
+  if (!descriptor) return base::fail(base::ErrorKind::kUnsupported, file, "has unknown pixels");
+  const bool planar = id == AV_CODEC_ID_MJPEG && (descriptor->flags & AV_PIX_FMT_FLAG_RGB) == 0 &&
                       descriptor->comp[0].depth == 8 && descriptor->comp[0].step == 1 &&
                       (descriptor->nb_components == 1 || descriptor->nb_components == 3);
   if (planar) return from_planar(*picture, *descriptor);
-  return from_rgb_like(*picture, file);
+  return from_components(*picture, *descriptor, file);
 }
 
 }  // namespace touchline::recording

@@ -155,7 +155,7 @@ base::Status VideoReader::Impl::open_decoder(const AVStream& stream, int thread_
   int error = avcodec_parameters_to_context(decoder_.get(), stream.codecpar);
   decoder_->pkt_timebase = stream.time_base;
   decoder_->thread_count = thread_count;
-  decoder_->err_recognition = AV_EF_CRCCHECK;
+  decoder_->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
   decoder_->max_pixels = kMostPixels;
   if (error >= 0) error = avcodec_open2(decoder_.get(), codec, nullptr);
   if (error < 0) {
