@@ -83,7 +83,11 @@ LineMap detect_lines(const image::Frame& frame, const LineMapOptions& options) {
   map.width = frame.width();
   map.height = frame.height();
   map.reach_px = options.reach_px * std::max(frame.height() / 1080.0, 0.5);
-  if (frame.width() < 64 || frame.height() < 64) return map;
+  if (frame.width() < 64 || frame.height() < 64) {
+    map.width = 0;
+    map.height = 0;
+    return map;
+  }
   TurfMask turf = find_turf(frame, options);
   map.turf_share = turf.share;
   if (turf.share > 0) {

@@ -63,19 +63,18 @@ struct LineMap {
   // Index of the ridge point nearest to a pixel (to about half a map cell); -1 when none is in
   // reach or the pixel is outside the picture.
   int nearest_to(const Eigen::Vector2d& pixel) const {
-    const int x = static_cast<int>((pixel.x() + 0.5) * (1.0 / kMapStep));
-    const int y = static_cast<int>((pixel.y() + 0.5) * (1.0 / kMapStep));
-    if (pixel.x() < -0.5 || pixel.y() < -0.5 || x >= nearest.width() || y >= nearest.height())
-      return -1;
-    return nearest(x, y);
+    if (!inside(pixel)) return -1;
+    return nearest(static_cast<int>((pixel.x() + 0.5) * (1.0 / kMapStep)),
+                   static_cast<int>((pixel.y() + 0.5) * (1.0 / kMapStep)));
   }
   // True when the pixel lies in the picture and on turf.
   bool on_turf(const Eigen::Vector2d& pixel) const {
-    const int x = static_cast<int>((pixel.x() + 0.5) * (1.0 / kTurfStep));
-    const int y = static_cast<int>((pixel.y() + 0.5) * (1.0 / kTurfStep));
-    if (pixel.x() < -0.5 || pixel.y() < -0.5 || x >= turf.width() || y >= turf.height())
-      return false;
-    return turf(x, y) != 0;
+    return inside(pixel) && turf(static_cast<int>((pixel.x() + 0.5) * (1.0 / kTurfStep)),
+                                 static_cast<int>((pixel.y() + 0.5) * (1.0 / kTurfStep))) != 0;
+  }
+  bool inside(const Eigen::Vector2d& pixel) const {  // false for what is not a number
+    return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 &&
+           pixel.y() < height - 0.5;
   }
 };
 

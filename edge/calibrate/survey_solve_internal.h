@@ -1,0 +1,49 @@
+// Joint least squares of one mount and the head poses of its stills on matched line points.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "shared/geometry/mount.h"
+
+namespace touchline::calibrate {
+
+// A picture point on a marking.
+struct SurveyPoint {
+  int still = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();    // of the marking, nearest to it
+  Eigen::Vector3d tangent_in_world = Eigen::Vector3d::Zero();  // unit
+};
+
+struct SurveyProblem {
+  geometry::Mount mount;  // start, and result; lens: the knots' focal lengths stay
+  std::vector<geometry::HeadPose> heads;
+  std::vector<SurveyPoint> points;
+};
+
+struct SurveySolveOptions {
+  bool head = true;  // levelling is found and roll is small; else levelling is held and roll found
+  double principal_prior_px = 10;
+  double level_sigma = 0.01;   // radians
+  double roll_sigma = 0.0005;  // radians
+  double shift_sigma = 0.02;   // of each lens term at the picture corner, share of the radius
+  double shift_step = 0.01;    // between neighbouring knots
+  double point_sigma_px = 0.25;
+  double correlated_points = 4;  // points of a line that err together
+  double loss_px = 1;            // scale of the robust loss
+  bool covariance = false;
+};
+
+struct SurveySolution {
+  bool converged = false;
+  int iterations = 0;
+  double rms_px = 0;                             // of points within three loss scales
+  std::vector<double> still_rms_px;              // the same, one a head pose
+  std::vector<Eigen::Matrix4d> head_covariance;  // pan, tilt, roll, log focal
+};
+
+// Changes problem.mount and problem.heads in place.
+SurveySolution solve_survey(const SurveySolveOptions& options, SurveyProblem& problem);
+
+}  // namespace touchline::calibrate
