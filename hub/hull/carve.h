@@ -37,7 +37,7 @@ struct HullOptions {
       2.8;                   // what is larger than a ball ends here above the turf, metres, 1..6
   double ball_height_m = 8;  // and a ball here, metres, people_height_m..40
   double min_volume_m3 = 0.004;  // smaller components are dropped: a ball has 0.0056, 0..1
-  double max_ball_m = 0.8;       // longest extent of what may be a ball in the air, metres, 0.2..3
+  double max_ball_m = 0.8;       // longest side of the box round what may be a ball, metres, 0.2..3
   // Share of a component's foreground pixels, in each camera that sees it, that no heavier
   // component explains, below which it is a phantom; 0..1.
   double phantom_share = 0.03;

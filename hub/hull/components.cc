@@ -144,7 +144,7 @@ Components label_components(Volume& volume, const pitch::PitchModel& pitch) {
 }
 
 bool may_be_ball(const Component& component, const HullOptions& options) {
-  return component.bounds.diagonal().norm() <= options.max_ball_m;
+  return component.bounds.sizes().maxCoeff() <= options.max_ball_m;
 }
 
 bool cut_above_people(Volume& volume, const Components& components, const pitch::PitchModel& pitch,
