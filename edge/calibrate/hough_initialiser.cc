@@ -14,8 +14,10 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kPictureLines = 12;   // strongest Hough lines that are tried
-constexpr int kKept = 600;          // proposals kept for refinement
+constexpr int kPictureLines = 9;     // strongest Hough lines that are tried
+constexpr int kKept = 600;           // proposals kept for refinement
+constexpr double kSlideFocal = 1.2;  // picture widths of focal length for one slide to either side
+constexpr int kMostSlides = 4;
 constexpr double kArcStepDeg = 12;  // between tangents of an arc
 constexpr double kDistinctPx = 60;  // two poses are distinct beyond this, at 1080 lines
 
@@ -74,6 +76,18 @@ bool within_span(const Eigen::Vector3d& direction, const ModelLine& line, double
   return angle > -slack && angle < span + slack;
 }
 
+// The second hypothesis is either far behind, or leaves several times more line unexplained or
+// unconfirmed than a nearly perfect first one.
+bool clearly_worse(const InitialiseReport& report, const LineMap& map, double scale,
+                   const InitialiseOptions& options) {
+  if (report.second <= report.score * (1 - options.least_margin)) return true;
+  constexpr double kTimes = 4;
+  constexpr double kLeastLinePx = 80;
+  const double behind = report.score - report.second;
+  return 1 - report.second >= kTimes * (1 - report.score) + 0.02 &&
+         behind * static_cast<double>(map.points.size()) >= kLeastLinePx * scale;
+}
+
 }  // namespace
 
 struct Initialiser::State {
@@ -81,6 +95,7 @@ struct Initialiser::State {
   geometry::Mount mount;
   InitialiseOptions options;
   std::vector<ModelLine> lines;
+  MarkingSamples sparse;  // for proposals, for refinement, for the last word
   MarkingSamples coarse;
   MarkingSamples fine;
   Eigen::Matrix3d head_from_world;
@@ -104,7 +119,13 @@ void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d&
                                       const Eigen::Vector3d& to, double focal, double tolerance,
                                       std::vector<Proposal>& kept, int& tried) const {
   const Eigen::Vector3d n = from.cross(to).normalized();
-  const double slack = 30 / focal;
+  // The longer the lens, the farther a small error of roll puts the picture along the line.
+  const int slides =
+      std::clamp(static_cast<int>(std::lround(focal / (kSlideFocal * map.width))), 1, kMostSlides);
+  const double slack = (30 + slides * 1.3 * tolerance) / focal;
+  // One step along the picture line, pixels.
+  const Eigen::Vector2d along = to.head<2>() - from.head<2>();
+  const Eigen::Vector2d slide = 1.3 * tolerance * along.normalized();
   const auto worse = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
   for (const ModelLine& line : lines) {
     const Eigen::Vector3d& m = line.normal_in_head;
@@ -125,15 +146,21 @@ void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d&
         const Eigen::Vector3d a = rotation.transpose() * from;
         const Eigen::Vector3d b = rotation.transpose() * to;
         if (!within_span(a, line, slack) || !within_span(b, line, slack)) continue;
-        ++tried;
-        const Pose candidate = pose(pan, tilt, focal);
-        const double score = score_fast(map, coarse, candidate, tolerance).score();
-        if (score < 0.2 || (kept.size() >= kKept && score <= kept.front().score)) continue;
-        kept.push_back({pan, tilt, focal, score});
-        std::push_heap(kept.begin(), kept.end(), worse);
-        if (kept.size() > kKept) {
-          std::pop_heap(kept.begin(), kept.end(), worse);
-          kept.pop_back();
+        // Where along the line the picture lies hangs on the line's slope alone, and that on roll
+        // and lens: places to both sides are tried as well.
+        for (int step = -slides; step <= slides; ++step) {
+          ++tried;
+          const double slid_pan = pan - step * slide.x() / (focal * std::cos(tilt));
+          const double slid_tilt = tilt + step * slide.y() / focal;
+          const Pose candidate = pose(slid_pan, slid_tilt, focal);
+          const double score = score_fast(map, sparse, candidate, tolerance).score();
+          if (score < 0.2 || (kept.size() >= kKept && score <= kept.front().score)) continue;
+          kept.push_back({slid_pan, slid_tilt, focal, score});
+          std::push_heap(kept.begin(), kept.end(), worse);
+          if (kept.size() > kKept) {
+            std::pop_heap(kept.begin(), kept.end(), worse);
+            kept.pop_back();
+          }
         }
       }
     }
@@ -169,6 +196,7 @@ Initialiser::Initialiser(const pitch::PitchModel& pitch, const geometry::Mount& 
   state->mount = mount;
   state->options = options;
   state->lines = model_lines(pitch, mount);
+  state->sparse = sample_markings(pitch, 2.5);
   state->coarse = sample_markings(pitch, 1.5);
   state->fine = sample_markings(pitch, 0.3);
   state->head_from_world = geometry::world_from_head(mount).conjugate().toRotationMatrix();
@@ -204,6 +232,7 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
     Pose start;
     Pose pose;
     PoseScore score;
+    PoseInformation information;
   };
   std::vector<Candidate> candidates;
   constexpr std::array<double, 10> kTolerances{24, 24, 20, 16, 12, 10, 8, 6, 4, 4};
@@ -221,8 +250,9 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
         }))
       continue;
     Pose pose = start;
-    if (!refine(map, state.coarse, refine_options, pose)) continue;
-    candidates.push_back({start, pose, score_fast(map, state.fine, pose, 5 * scale)});
+    PoseInformation information = PoseInformation::Zero();
+    if (!refine(map, state.coarse, refine_options, pose, &information)) continue;
+    candidates.push_back({start, pose, score_fast(map, state.fine, pose, 5 * scale), information});
   }
   if (candidates.empty()) {
     report.stopped_because = "nothing fits";
@@ -242,6 +272,7 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
   report.confirmed = best.score.confirmed;
   report.explained = best.score.explained;
   report.rms_px = best.score.rms_px;
+  report.sigma_px = picture_sigma(best.information, best.pose);
   for (const Candidate& other : candidates)
     if (picture_distance(other.pose, best.pose) > kDistinctPx * scale)
       report.second = std::max(report.second, other.score.score());
@@ -252,9 +283,11 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
     report.stopped_because = "lines in the picture not explained";
   } else if (best.score.seen_m < options.least_seen_m || best.score.directions < 2) {
     report.stopped_because = "too little line";
+  } else if (report.sigma_px > options.most_sigma_px * scale) {
+    report.stopped_because = "lines leave the pose open";
   } else if (best.score.rms_px > options.most_rms_px * scale) {
     report.stopped_because = "residual too large";
-  } else if (report.second > report.score * (1 - options.least_margin)) {
+  } else if (!clearly_worse(report, map, scale, options)) {
     report.stopped_because = "ambiguous";
   } else {
     report.stopped_because = "accepted";
@@ -294,6 +327,7 @@ base::Status InitialiseOptions::validate() const {
         check("refined", refined, 1, 5000), check("least_confirmed", least_confirmed, 0, 1),
         check("least_explained", least_explained, 0, 1),
         check("least_seen_m", least_seen_m, 0, 1000), check("least_margin", least_margin, 0, 1),
+        check("most_sigma_px", most_sigma_px, 0.05, 1000),
         check("most_rms_px", most_rms_px, 0.05, 50)})
     if (!status) return status;
   return {};

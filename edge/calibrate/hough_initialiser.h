@@ -29,7 +29,8 @@ struct InitialiseOptions {
   double least_explained = 0.60;  // share of the ridge points on the pitch that a marking explains
   double least_seen_m = 6;        // metres of marking confirmed
   double least_margin = 0.12;     // how far the best score stands over the second, distinct one
-  double most_rms_px = 3;         // of the line points, at 1080 lines
+  double most_sigma_px = 6;  // uncertainty of the picture's corners by the lines, at 1080 lines
+  double most_rms_px = 3;    // of the line points, at 1080 lines
 
   base::Status validate() const;
 };
@@ -41,6 +42,7 @@ struct InitialiseReport {
   double confirmed = 0;  // of the best
   double explained = 0;
   double rms_px = 0;
+  double sigma_px = 0;  // of the picture\'s corners, by the lines alone
   std::string
       stopped_because;  // "accepted", "no turf", "no lines", "not confirmed", "ambiguous"...
 };

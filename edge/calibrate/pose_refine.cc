@@ -11,7 +11,7 @@ namespace {
 // Unknowns: rotation about the camera's axes (3), position (3), log focal, k1 scaled to its shift
 // at the corner.
 constexpr int kUnknowns = 8;
-using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Normal = PoseInformation;
 using Gradient = Eigen::Matrix<double, kUnknowns, 1>;
 
 struct System {
@@ -78,7 +78,7 @@ void add_samples(const LineMap& map, const MarkingSamples& samples, const Pose& 
 }  // namespace
 
 bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptions& options,
-            Pose& pose) {
+            Pose& pose, PoseInformation* information) {
   const Eigen::Matrix3d world_from_head =
       options.mount == nullptr
           ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
@@ -87,6 +87,7 @@ bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptio
     System system;
     add_samples(map, samples, pose, tolerance, system);
     if (system.count < 8) return false;
+    if (information != nullptr) *information = system.normal;
     // Priors as observations; weights of samples are pixels of line, so that a prior counts like a
     // hundred of them.
     constexpr double kPriorWeight = 100;
@@ -147,6 +148,36 @@ bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptio
   }
   pose.rotation = Eigen::Quaterniond(pose.rotation).normalized().toRotationMatrix();
   return true;
+}
+
+double picture_sigma(const PoseInformation& information, const Pose& pose) {
+  // A pixel of line is one observation; they err together over this many pixels, by this much.
+  constexpr double kTogetherPx = 40;
+  constexpr double kSigmaPx = 0.5;
+  constexpr double kRollSigma = 0.001;
+  Eigen::Matrix4d info;
+  info.topLeftCorner<3, 3>() = information.topLeftCorner<3, 3>();
+  info.topRightCorner<3, 1>() = information.block<3, 1>(0, 6);
+  info.bottomLeftCorner<1, 3>() = information.block<1, 3>(6, 0);
+  info(3, 3) = information(6, 6);
+  info /= kTogetherPx * kSigmaPx * kSigmaPx;
+  info(2, 2) += 1 / (kRollSigma * kRollSigma);
+  info(3, 3) += 1;  // the focal length is known to a factor of three at least
+  const Eigen::Matrix4d covariance = info.inverse();
+  double most = 0;
+  for (const double sx : {-0.5, 0.5}) {
+    for (const double sy : {-0.5, 0.5}) {
+      const double f = pose.model.fx;
+      const double x = sx * pose.model.width / f;
+      const double y = sy * pose.model.height / f;
+      // d pixel by the turn (p cross a for both axes) and by log focal.
+      Eigen::Matrix<double, 2, 4> j;
+      j << -f * x * y, f * (1 + x * x), -f * y, f * x,  //
+          -f * (1 + y * y), f * x * y, f * x, f * y;
+      most = std::max(most, (j * covariance * j.transpose()).trace());
+    }
+  }
+  return std::isfinite(most) ? std::sqrt(most) : 1e6;
 }
 
 }  // namespace touchline::calibrate

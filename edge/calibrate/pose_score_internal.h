@@ -74,10 +74,18 @@ struct RefineOptions {
   double shift_sigma = 0.01;  // of k1's shift at the picture corner, share of the radius
   std::span<const double> tolerances_px;  // one iteration each
 };
+// Rotation about the camera's axes (3), position (3), log focal, shift of k1 at the corner.
+using PoseInformation = Eigen::Matrix<double, 8, 8>;
 // Gauss-Newton on the distance from marking samples to the nearest ridges. False when it breaks
 // down.
 bool refine(const LineMap& map, const MarkingSamples& samples, const RefineOptions& options,
-            Pose& pose);
+            Pose& pose, PoseInformation* information = nullptr);
+
+// How surely the lines hold the picture in place: the largest standard deviation, over the
+// picture's corners, of where a ray comes to lie, by the information of a refinement, when the
+// position is known. Lines that err together over some length are allowed for. Pixels; large where
+// the lines leave something free.
+double picture_sigma(const PoseInformation& information, const Pose& pose);
 
 // Largest displacement of picture points between two cameras' rotations and focal lengths, pixels.
 double picture_distance(const Pose& a, const Pose& b);
