@@ -7,31 +7,73 @@
 namespace touchline::key {
 namespace {
 
-constexpr float kOffTurfGain = 0.08f;   // brightness of what is not turf may vary this much
 constexpr float kChromaNoise = 0.6f;    // of the luma noise
 constexpr float kEdgeCodes = 24;        // plate edges steeper than this a pixel are searched along
+constexpr float kEdgeRange = 80;        // code values in 3x3 pixels of the plate that make an edge
+constexpr float kRangeShare = 0.1f;     // of that range, by which a plate is blurred or displaced
+constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
 constexpr float kNoTurfDeviation = 24;  // code values, where turf's colour is all there is
 
 struct RowBuffers {
-  std::vector<float> y, cb, cr;     // frame
-  std::vector<float> by, bcb, bcr;  // background
-  std::vector<float> wy, wc;        // 1 / variance
-  std::vector<float> low, high;     // bounds of s
+  std::vector<float> y, cb, cr;                // frame
+  std::vector<float> by, bcb, bcr;             // background
+  std::vector<float> wy, wc;                   // 1 / variance
+  std::vector<float> low, high, slack, paler;  // Light
   std::vector<float> d;
+  std::vector<float> range;  // of the plate's luma round the pixel
   explicit RowBuffers(std::size_t n)
-      : y(n), cb(n), cr(n), by(n), bcb(n), bcr(n), wy(n), wc(n), low(n), high(n), d(n) {}
+      : y(n),
+        cb(n),
+        cr(n),
+        by(n),
+        bcb(n),
+        bcr(n),
+        wy(n),
+        wc(n),
+        low(n),
+        high(n),
+        slack(n),
+        paler(n),
+        d(n),
+        range(n) {}
 };
 
-// Squared distance of p to s b, s in [low, high].
+// How light may change what a background pixel shows.
+struct Light {
+  float low, high;  // luma over the plate's
+  float slack;      // of chroma over the plate's, round that of luma
+  float paler;      // of a shadow, share by which chroma may stay behind luma
+};
+
+// Squared distance of p to the background under any light allowed. Shadows on turf lose more luma
+// than chroma, since the sky still lights them.
 inline float residual(float y, float cb, float cr, float by, float bcb, float bcr, float wy,
-                      float wc, float low, float high) {
-  const float pb = wy * y * by + wc * (cb * bcb + cr * bcr);
-  const float bb = wy * by * by + wc * (bcb * bcb + bcr * bcr) + 1e-6f;
-  const float s = std::min(std::max(pb / bb, low), high);
-  const float ry = y - s * by;
-  const float rb = cb - s * bcb;
-  const float rr = cr - s * bcr;
+                      float wc, float low, float high, float slack, float paler) {
+  const float luma = std::min(std::max(y / std::max(by, 8.f), low), high);
+  const float bb = bcb * bcb + bcr * bcr + 1.f;
+  const float least = luma - slack;
+  const float most = luma + slack + paler * std::max(0.f, 1.f - luma);
+  const float chroma = std::min(std::max((cb * bcb + cr * bcr) / bb, least), most);
+  const float ry = y - luma * by;
+  const float rb = cb - chroma * bcb;
+  const float rr = cr - chroma * bcr;
   return wy * ry * ry + wc * (rb * rb + rr * rr);
+}
+
+// Greatest minus least luma of the plate in 3x3 pixels; 0 where a part is missing.
+void luma_range(const image::Image<std::uint16_t>& luma, int y, std::vector<float>& out) {
+  const int w = luma.width();
+  const std::uint16_t* a = luma.row(std::max(0, y - 1));
+  const std::uint16_t* b = luma.row(y);
+  const std::uint16_t* c = luma.row(std::min(luma.height() - 1, y + 1));
+  std::fill(out.begin(), out.end(), 0.f);
+  for (int x = 1; x + 1 < w; ++x) {
+    const std::uint16_t low =
+        std::min({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
+    const std::uint16_t high =
+        std::max({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
+    out[static_cast<std::size_t>(x)] = low ? static_cast<float>(high - low) * 0.0625f : 0.f;
+  }
 }
 
 }  // namespace
@@ -51,6 +93,30 @@ void chroma_row(const image::Frame& frame, std::size_t which, int y, float* out)
     out[2 * x + 1] = 0.5f * static_cast<float>(row[x] + row[x + 1]);
   }
   for (int x = 2 * (half - 1); x < width; ++x) out[x] = row[half - 1];
+}
+
+image::Image<std::uint8_t> local_peak(const image::Image<std::uint8_t>& values, int reach) {
+  const int w = values.width();
+  const int h = values.height();
+  image::Image<std::uint8_t> across(w, h, 0);
+  image::Image<std::uint8_t> out(w, h, 0);
+  for (int y = 0; y < h; ++y) {
+    const std::uint8_t* from = values.row(y);
+    std::uint8_t* to = across.row(y);
+    std::copy(from, from + w, to);
+    for (int k = 1; k <= reach; ++k) {
+      for (int x = 0; x + k < w; ++x) to[x] = std::max(to[x], from[x + k]);
+      for (int x = k; x < w; ++x) to[x] = std::max(to[x], from[x - k]);
+    }
+  }
+  for (int y = 0; y < h; ++y) {
+    std::uint8_t* to = out.row(y);
+    for (int v = std::max(0, y - reach); v <= std::min(h - 1, y + reach); ++v) {
+      const std::uint8_t* from = across.row(v);
+      for (int x = 0; x < w; ++x) to[x] = std::max(to[x], from[x]);
+    }
+  }
+  return out;
 }
 
 Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
@@ -81,9 +147,11 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
   Difference out;
   out.distance = image::Image<std::uint8_t>(width, height, 0);
   out.known = image::Image<std::uint8_t>(width, height, 0);
+  out.edge = image::Image<std::uint8_t>(width, height, 0);
 
-  const auto shadow = static_cast<float>(options.darkest_shadow);
-  const auto bright = static_cast<float>(options.brightest_turf);
+  const Light on_grass{static_cast<float>(options.darkest_shadow),
+                       static_cast<float>(options.brightest_turf), 0.08f, 0.5f};
+  constexpr Light kElsewhere{0.92f, 1.08f, 0.03f, 0.f};
   const auto luma_noise = static_cast<float>(options.noise_codes * options.noise_codes);
   const float chroma_noise = kChromaNoise * kChromaNoise * luma_noise;
   const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
@@ -105,16 +173,18 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
     for (int i = 0; i * kCell < width; ++i) {
       const bool in = grid.cell_in_volume(i, j);
       const bool on_turf = in && grid.cell_on_turf(i, j);
-      const float low = on_turf ? shadow : 1 - kOffTurfGain;
-      const float high = on_turf ? bright : 1 + kOffTurfGain;
+      const Light& light = on_turf ? on_grass : kElsewhere;
       for (int x = i * kCell; x < std::min(width, (i + 1) * kCell); ++x) {
         const auto k = static_cast<std::size_t>(x);
-        row.low[k] = low;
-        row.high[k] = high;
+        row.low[k] = light.low;
+        row.high[k] = light.high;
+        row.slack[k] = light.slack;
+        row.paler[k] = light.paler;
         known[x] = !in ? 0 : plate.y(x, y) ? 1 : on_turf && turf.y > 0 ? 2 : 0;
       }
     }
     const std::uint16_t* py = plate.y.row(y);
+    luma_range(plate.y, y, row.range);
     const std::uint16_t* pb = plate.cb.row(y);
     const std::uint16_t* pr = plate.cr.row(y);
     const std::uint16_t* sy = plate.luma_deviation.row(y);
@@ -125,17 +195,21 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
       row.by[k] = have ? py[x] * 0.0625f - 64.f : turf.y;
       row.bcb[k] = have ? pb[x] * 0.0625f - 512.f : turf.cb;
       row.bcr[k] = have ? pr[x] * 0.0625f - 512.f : turf.cr;
+      const float range = have ? row.range[k] : 0.f;
+      out.edge.row(y)[x] = range > kEdgeRange;
+      const float blur = kRangeShare * range;
       const float dy = have ? sy[x] * 0.0625f : 1.5f * kNoTurfDeviation;
       const float dc = have ? sc[x] * 0.0625f : 0.5f * kNoTurfDeviation;
-      row.wy[k] = 1.f / (luma_noise + dy * dy);
-      row.wc[k] = 1.f / (chroma_noise + dc * dc);
+      row.wy[k] = 1.f / (luma_noise + dy * dy + blur * blur);
+      row.wc[k] = 1.f / (chroma_noise + dc * dc + kChromaOfRange * blur * blur);
       row.cb[k] -= 512.f;
       row.cr[k] -= 512.f;
     }
     for (int x = 0; x < width; ++x) {
       const auto k = static_cast<std::size_t>(x);
-      row.d[k] = residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
-                          row.wy[k], row.wc[k], row.low[k], row.high[k]);
+      row.d[k] =
+          residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k], row.wy[k],
+                   row.wc[k], row.low[k], row.high[k], row.slack[k], row.paler[k]);
     }
     if (taps > 0 && y >= taps && y + taps < height) {
       for (int x = taps; x + taps < width; ++x) {
@@ -160,9 +234,10 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
                 row.wc[k] * ((row.cb[k] - row.bcb[k]) * eb + (row.cr[k] - row.bcr[k]) * er);
             const float length = (u != 0 && v != 0 ? 1.4142f : 1.f) * static_cast<float>(taps);
             const float t = std::clamp(dot / norm, 0.f, std::min(1.f, reach / length));
-            best = std::min(best, residual(row.y[k], row.cb[k], row.cr[k], row.by[k] + t * ey,
-                                           row.bcb[k] + t * eb, row.bcr[k] + t * er, row.wy[k],
-                                           row.wc[k], row.low[k], row.high[k]));
+            best = std::min(best,
+                            residual(row.y[k], row.cb[k], row.cr[k], row.by[k] + t * ey,
+                                     row.bcb[k] + t * eb, row.bcr[k] + t * er, row.wy[k], row.wc[k],
+                                     row.low[k], row.high[k], row.slack[k], row.paler[k]));
           }
         row.d[k] = best;
       }

@@ -72,7 +72,7 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   const Expected turf = turf_colour(frame, grid);
   const Difference diff = difference(frame, warped, grid, turf, o);
   const auto bodies = find_bodies(diff, grid, camera, pitch, o);
-  matte.alpha = soft_alpha(frame, warped, turf, bodies);
+  matte.alpha = soft_alpha(frame, warped, turf, diff, bodies, o);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
 

@@ -11,11 +11,11 @@
 namespace touchline::key {
 
 struct KeyOptions {
-  double weak_sigma = 4.0;          // difference at which a pixel may belong to a person; 1..50
-  double strong_sigma = 10.0;       // difference that starts a person; weak_sigma..200
+  double weak_sigma = 5.0;          // difference at which a pixel may belong to a person; 1..50
+  double strong_sigma = 12.0;       // difference that starts a person; weak_sigma..200
   double noise_codes = 4;           // camera noise, 10-bit code values; 0.5..50
   double calibration_px = 0.7;      // standard error of the calibration in the picture; 0..5
-  double darkest_shadow = 0.3;      // luma of turf in shadow over turf in light, least; 0.05..1
+  double darkest_shadow = 0.4;      // luma of turf in shadow over turf in light, least; 0.05..1
   double brightest_turf = 1.25;     // luma of turf over the plate's, most; 1..3
   double margin_m = 5;              // people stand at most this far beyond the outer lines; 0..50
   double tallest_m = 2.6;           // and reach this high; 1..5

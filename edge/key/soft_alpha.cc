@@ -3,22 +3,66 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 namespace touchline::key {
 namespace {
 
-constexpr int kBand = 2;            // pixels on either side of the boundary that are mixed
-constexpr int kReach = 5;           // pixels within which the foreground's colour is looked for
-constexpr int kFar = 7;             // depths are told apart up to this
-constexpr float kChromaWeight = 2;  // chroma is noisier by format, steadier by light
+constexpr int kBand = 2;              // pixels on either side of the boundary that are mixed
+constexpr int kFar = 7;               // depths are told apart up to this
+constexpr int kPeakReach = 4;         // as far as the strongest difference round a pixel is sought
+constexpr float kSureShare = 0.55f;   // of that peak, for a pixel of pure foreground
+constexpr float kUnexplained = 0.3f;  // share of a pixel's squared difference no mix explains
+constexpr float kChromaWeight = 2;    // chroma is noisier by format, steadier by light
+
+// Cells of the frame with a body in them or beside them; the rest is not touched.
+class ActiveCells {
+ public:
+  explicit ActiveCells(const image::Image<std::uint8_t>& bodies)
+      : width_(bodies.width()),
+        height_(bodies.height()),
+        columns_((width_ + kCell - 1) / kCell),
+        rows_((height_ + kCell - 1) / kCell),
+        active_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0) {
+    for (int y = 0; y < height_; ++y) {
+      const std::uint8_t* row = bodies.row(y);
+      for (int i = 0; i < columns_; ++i) {
+        const int end = std::min(width_, (i + 1) * kCell);
+        if (!std::any_of(row + i * kCell, row + end, [](std::uint8_t b) { return b != 0; }))
+          continue;
+        for (int v = std::max(0, y / kCell - 1); v <= std::min(rows_ - 1, y / kCell + 1); ++v)
+          for (int u = std::max(0, i - 1); u <= std::min(columns_ - 1, i + 1); ++u)
+            active_[static_cast<std::size_t>(v * columns_ + u)] = 1;
+      }
+    }
+  }
+  template <typename Visit>
+  void forward(const Visit& visit) const {
+    for (int y = 0; y < height_; ++y)
+      for (int i = 0; i < columns_; ++i)
+        if (active_[static_cast<std::size_t>(y / kCell * columns_ + i)])
+          for (int x = i * kCell; x < std::min(width_, (i + 1) * kCell); ++x) visit(x, y);
+  }
+  template <typename Visit>
+  void backward(const Visit& visit) const {
+    for (int y = height_ - 1; y >= 0; --y)
+      for (int i = columns_ - 1; i >= 0; --i)
+        if (active_[static_cast<std::size_t>(y / kCell * columns_ + i)])
+          for (int x = std::min(width_, (i + 1) * kCell) - 1; x >= i * kCell; --x) visit(x, y);
+  }
+
+ private:
+  int width_, height_, columns_, rows_;
+  std::vector<std::uint8_t> active_;
+};
 
 // Steps to the other side, city block, up to kFar: positive inside bodies, negative outside.
-image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies) {
+image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies,
+                                       const ActiveCells& cells) {
   const int w = bodies.width();
   const int h = bodies.height();
-  image::Image<std::int8_t> out(w, h, 0);
-  // Two passes of a chamfer for both signs at once.
+  image::Image<std::int8_t> out(w, h, -kFar);
   const auto relax = [&](int x, int y, int nx, int ny) {
     std::int8_t& d = out(x, y);
     const bool in = bodies(x, y);
@@ -26,17 +70,15 @@ image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies)
     const int best = std::min(std::abs(d), from + 1);
     d = static_cast<std::int8_t>(in ? best : -best);
   };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      out(x, y) = static_cast<std::int8_t>(bodies(x, y) ? kFar : -kFar);
-      if (x > 0) relax(x, y, x - 1, y);
-      if (y > 0) relax(x, y, x, y - 1);
-    }
-  for (int y = h - 1; y >= 0; --y)
-    for (int x = w - 1; x >= 0; --x) {
-      if (x + 1 < w) relax(x, y, x + 1, y);
-      if (y + 1 < h) relax(x, y, x, y + 1);
-    }
+  cells.forward([&](int x, int y) {
+    out(x, y) = static_cast<std::int8_t>(bodies(x, y) ? kFar : -kFar);
+    if (x > 0) relax(x, y, x - 1, y);
+    if (y > 0) relax(x, y, x, y - 1);
+  });
+  cells.backward([&](int x, int y) {
+    if (x + 1 < w) relax(x, y, x + 1, y);
+    if (y + 1 < h) relax(x, y, x, y + 1);
+  });
   return out;
 }
 
@@ -64,7 +106,7 @@ class Mixer {
         const int ny = y + v;
         if (!depth.contains(nx, ny) || depth(nx, ny) > -kBand - 1) continue;
         seen += frame_.planes[0](nx, ny) - 64.f;
-        expected += background(nx, ny)[0];
+        expected += plate_.y(nx, ny) ? plate_.y(nx, ny) * 0.0625f - 64.f : turf_.y;
       }
     if (expected < 100.f) return 1;
     return std::clamp(seen / expected, 0.3f, 1.25f);
@@ -86,63 +128,78 @@ class Mixer {
   image::ChromaShift shift_;
 };
 
-// Directions in which a foreground colour is looked for, at two distances each.
-constexpr std::array<std::array<int, 2>, 24> kOffsets{
-    {{2, 0}, {-2, 0}, {0, 2}, {0, -2}, {2, 2}, {-2, 2}, {2, -2}, {-2, -2},
-     {4, 0}, {-4, 0}, {0, 4}, {0, -4}, {3, 3}, {-3, 3}, {3, -3}, {-3, -3},
-     {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 3}, {-1, 3}, {1, -3}, {-1, -3}}};
+// Where a foreground colour is looked for.
+constexpr std::array<std::array<int, 2>, 32> kOffsets{
+    {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1},  {-1, 1},  {1, -1}, {-1, -1},
+     {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {2, 2},  {-2, 2},  {2, -2}, {-2, -2},
+     {3, 1}, {-3, 1}, {1, 3}, {1, -3}, {3, -1}, {-3, -1}, {-1, 3}, {-1, -3},
+     {4, 0}, {-4, 0}, {0, 4}, {0, -4}, {3, 3},  {-3, 3},  {3, -3}, {-3, -3}}};
 
 }  // namespace
 
 image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPlate& plate,
-                                      const Expected& turf,
-                                      const image::Image<std::uint8_t>& bodies) {
-  const auto depth = signed_depth(bodies);
+                                      const Expected& turf, const Difference& difference,
+                                      const image::Image<std::uint8_t>& bodies,
+                                      const KeyOptions& options) {
+  const ActiveCells cells(bodies);
+  const auto depth = signed_depth(bodies, cells);
   const Mixer mixer(frame, plate, turf);
+  const auto& distance = difference.distance;
+  const auto peak = local_peak(distance, kPeakReach);
+  const auto sure = [&](int x, int y) {
+    return bodies(x, y) && distance(x, y) >= kSureShare * peak(x, y);
+  };
+  const float own_colour = static_cast<float>(1.5 * options.weak_sigma) * kDistanceScale;
+
   image::Image<std::uint8_t> alpha(bodies.width(), bodies.height(), 0);
-  for (int y = 0; y < bodies.height(); ++y)
-    for (int x = 0; x < bodies.width(); ++x) {
-      const int d = depth(x, y);
-      if (d > kBand) {
-        alpha(x, y) = 255;
-        continue;
-      }
-      if (d < -kBand) continue;
-      const auto p = mixer.pixel(x, y);
-      auto b = mixer.background(x, y);
-      const float shade = mixer.shade(depth, x, y);
-      for (auto& channel : b) channel *= shade;
-      float best_cost = 1e30f;
-      float best = d > 0 ? 1.f : 0.f;
-      for (const auto& o : kOffsets) {
-        const int nx = x + o[0];
-        const int ny = y + o[1];
-        if (!depth.contains(nx, ny)) continue;
-        const int inside = depth(nx, ny);
-        if (inside <= 0 || inside <= d) continue;
-        const auto f = mixer.pixel(nx, ny);
-        const float fy = f[0] - b[0];
-        const float fb = f[1] - b[1];
-        const float fr = f[2] - b[2];
-        const float norm = fy * fy + kChromaWeight * (fb * fb + fr * fr);
-        if (norm < 400.f) continue;
-        const float dot =
-            (p[0] - b[0]) * fy + kChromaWeight * ((p[1] - b[1]) * fb + (p[2] - b[2]) * fr);
-        const float a = std::clamp(dot / norm, 0.f, 1.f);
-        const float ry = p[0] - b[0] - a * fy;
-        const float rb = p[1] - b[1] - a * fb;
-        const float rr = p[2] - b[2] - a * fr;
-        const float cost = ry * ry + kChromaWeight * (rb * rb + rr * rr) +
-                           60.f * static_cast<float>(std::abs(o[0]) + std::abs(o[1])) +
-                           250.f * static_cast<float>(std::max(0, 3 - inside));
-        if (cost < best_cost) {
-          best_cost = cost;
-          best = a;
-        }
-      }
-      const int value = static_cast<int>(best * 255.f + 0.5f);
-      alpha(x, y) = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
+  cells.forward([&](int x, int y) {
+    const int d = depth(x, y);
+    if (d < -kBand) return;
+    if (d > kBand && sure(x, y)) {
+      alpha(x, y) = 255;
+      return;
     }
+    const auto p = mixer.pixel(x, y);
+    auto b = mixer.background(x, y);
+    const float shade = mixer.shade(depth, x, y);
+    for (auto& channel : b) channel *= shade;
+    const float py = p[0] - b[0];
+    const float pb = p[1] - b[1];
+    const float pr = p[2] - b[2];
+    const float unlike = py * py + kChromaWeight * (pb * pb + pr * pr);
+    float best_cost = 1e30f;
+    float best_rest = unlike;
+    float best = 0;
+    for (const auto& o : kOffsets) {
+      const int nx = x + o[0];
+      const int ny = y + o[1];
+      if (!depth.contains(nx, ny)) continue;
+      const int inside = depth(nx, ny);
+      if (inside <= 0 || !sure(nx, ny)) continue;
+      const auto f = mixer.pixel(nx, ny);
+      const float fy = f[0] - b[0];
+      const float fb = f[1] - b[1];
+      const float fr = f[2] - b[2];
+      const float norm = fy * fy + kChromaWeight * (fb * fb + fr * fr);
+      if (norm < 400.f || norm < unlike * 0.5f) continue;
+      const float dot = py * fy + kChromaWeight * (pb * fb + pr * fr);
+      const float a = std::clamp(dot / norm, 0.f, 1.f);
+      const float ry = py - a * fy;
+      const float rb = pb - a * fb;
+      const float rr = pr - a * fr;
+      const float rest = ry * ry + kChromaWeight * (rb * rb + rr * rr);
+      const float cost = rest + 60.f * static_cast<float>(std::abs(o[0]) + std::abs(o[1])) +
+                         250.f * static_cast<float>(std::max(0, 3 - inside));
+      if (cost < best_cost) {
+        best_cost = cost;
+        best_rest = rest;
+        best = a;
+      }
+    }
+    if (bodies(x, y) && best_rest > kUnexplained * unlike && distance(x, y) >= own_colour) best = 1;
+    const int value = static_cast<int>(best * 255.f + 0.5f);
+    alpha(x, y) = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
+  });
   return alpha;
 }
 

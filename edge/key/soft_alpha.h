@@ -1,4 +1,5 @@
-// Coverage of the pixels along a body's boundary, from the mix of its colour and the plate's.
+// Coverage of the pixels of a body and along its boundary, from the mix of its colour and the
+// plate's.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +10,13 @@
 
 namespace touchline::key {
 
-// 255 inside bodies, 0 away from them; within two pixels of the boundary the share of the local
-// foreground colour in the pixel: where p lies on the line from the (shadowed) plate to a colour
-// further inside, taken from the neighbour that explains p best.
+// 255 inside bodies, 0 away from them. Pixels within two of the boundary, and those inside that are
+// much less unlike the plate than what is round them, get the share of the foreground colour in
+// them: where they lie on the line from the (shadowed) plate to the colour of a sure pixel close
+// by, the one that explains them best. What no mix explains is foreground of its own colour.
 image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPlate& plate,
-                                      const Expected& turf,
-                                      const image::Image<std::uint8_t>& bodies);
+                                      const Expected& turf, const Difference& difference,
+                                      const image::Image<std::uint8_t>& bodies,
+                                      const KeyOptions& options);
 
 }  // namespace touchline::key

@@ -1,6 +1,7 @@
 #include "edge/plate/frame_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -47,6 +48,28 @@ inline float bilinear(const Plane& p, float x, float y) {
   const float top = static_cast<float>(a[0]) + fx * static_cast<float>(a[1] - a[0]);
   const float bottom = static_cast<float>(b[0]) + fx * static_cast<float>(b[1] - b[0]);
   return top + fy * (bottom - top);
+}
+
+// Catmull-Rom, which keeps lines and lettering as sharp as the frame has them; falls back to
+// bilinear at the border.
+inline float bicubic(const Plane& p, float x, float y) {
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  if (ix < 1 || iy < 1 || ix + 2 >= p.width || iy + 2 >= p.height) return bilinear(p, x, y);
+  const float fx = x - static_cast<float>(ix);
+  const float fy = y - static_cast<float>(iy);
+  const auto weights = [](float f) {
+    return std::array<float, 4>{f * (-0.5f + f * (1.f - 0.5f * f)), 1.f + f * f * (1.5f * f - 2.5f),
+                                f * (0.5f + f * (2.f - 1.5f * f)), 0.5f * f * f * (f - 1.f)};
+  };
+  const auto wx = weights(fx);
+  const auto wy = weights(fy);
+  const std::uint16_t* row = p.data + (iy - 1) * p.stride + ix - 1;
+  float sum = 0;
+  for (std::size_t k = 0; k < 4; ++k, row += p.stride)
+    sum += wy[k] * (wx[0] * static_cast<float>(row[0]) + wx[1] * static_cast<float>(row[1]) +
+                    wx[2] * static_cast<float>(row[2]) + wx[3] * static_cast<float>(row[3]));
+  return std::clamp(sum, 0.f, 1023.f);
 }
 
 }  // namespace
@@ -134,7 +157,7 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
         const float py = ya + dy * static_cast<float>(k);
         if (!(px >= low && px <= right && py >= low && py <= bottom)) continue;
         const auto at = start + static_cast<std::size_t>(k);
-        out.y[at] = static_cast<std::uint16_t>(2.f * bilinear(luma, px, py) + 0.5f);
+        out.y[at] = static_cast<std::uint16_t>(2.f * bicubic(luma, px, py) + 0.5f);
         out.cb[at] = static_cast<std::uint16_t>(bilinear(blue, px, py) + 0.5f);
         out.cr[at] = static_cast<std::uint16_t>(bilinear(red, px, py) + 0.5f);
         out.inside[at] = 1;

@@ -23,8 +23,8 @@ struct TileSamples {
 std::vector<image::PlateTileKey> touched_tiles(const image::PlateSnapshot& sphere,
                                                const geometry::CameraEstimate& camera, int most);
 
-// Bilinear samples; positions are computed every 16 plate pixels and interpolated between.
-// Positions less than `border` pixels from the frame's edge count as outside.
+// Luma by Catmull-Rom, chroma bilinear; positions are computed every 16 plate pixels and
+// interpolated between. Positions less than `border` pixels from the frame's edge count as outside.
 void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& key, int apron,
                  const image::Frame& frame, const geometry::CameraEstimate& camera, int border,
                  TileSamples& out);

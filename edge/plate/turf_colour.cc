@@ -80,6 +80,10 @@ bool TurfColour::update() {
       const float across = (u * peak_v - v * peak_u) / std::max(saturation, 1e-3f);
       if (along > -0.06f && along < saturation && std::abs(across) < 0.08f)
         table_[static_cast<std::size_t>(y * kBins + x)] |= 2;
+      // The hue of most turf, paler or deeper: the dark rim of a line, deep shadow.
+      if (along > 0.6f * saturation && along < 1.8f * saturation &&
+          std::abs(across) < 0.15f * along + 0.02f)
+        table_[static_cast<std::size_t>(y * kBins + x)] |= 1;
     }
   // Luma of what passed so far is not kept apart: people are few, so quantiles of all will do.
   const auto quantile = [&](double q) {
