@@ -213,23 +213,29 @@ bool Synchroniser::all_cameras_past(MediaTime instant) const {
 
 scene::FrameSet Synchroniser::take_set(std::size_t leader, MediaTime before) {
   MediaTime instant = cameras_[leader].frames.front().stamp.media_time;
-  // A frame within reach that has a nearer successor makes a set of its own, the earliest first.
-  std::optional<std::size_t> surplus;
+  // Frames within reach that have a nearer successor make a set before this one, at the earliest of
+  // their times.
+  std::vector<std::size_t> surplus;
+  MediaTime earliest = kNever;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const auto& frames = cameras_[i].frames;
     if (i == leader || frames.size() < 2) continue;
     const MediaTime first = frames[0].stamp.media_time;
     const MediaTime second = frames[1].stamp.media_time;
-    const bool nearer = second < before &&
-                        magnitude(distance(second, instant)) < magnitude(distance(first, instant));
-    if (nearer && (!surplus || first < cameras_[*surplus].frames.front().stamp.media_time)) {
-      surplus = i;
+    if (second < before &&
+        magnitude(distance(second, instant)) < magnitude(distance(first, instant))) {
+      surplus.push_back(i);
+      earliest = std::min(earliest, first);
     }
   }
   std::vector<std::optional<codec::EncodedView>> views(cameras_.size());
-  if (surplus) {
-    instant = cameras_[*surplus].frames.front().stamp.media_time;
-    views[*surplus] = pop_front(*surplus);
+  if (!surplus.empty()) {
+    instant = earliest;
+    for (const std::size_t i : surplus) {
+      if (distance(cameras_[i].frames.front().stamp.media_time, instant) <= tolerance_ns_) {
+        views[i] = pop_front(i);
+      }
+    }
   } else {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
       const auto& frames = cameras_[i].frames;
