@@ -16,6 +16,9 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kPointsAStill = 320;
 constexpr double kConsensusRadius = 0.06;  // of positions that agree, share of the distance
 constexpr int kCandidates = 4;             // positions that are tried on all stills
+constexpr double kSizeStep = 0.05;         // metres, for derivatives by the pitch's sizes
+constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
+constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
 constexpr double kLeastFit = 0.78;         // of confirmed and explained, over all solved stills
 
 geometry::HeadPose head_of(const geometry::Mount& mount, const geometry::Rigid3& cam_from_world,
@@ -46,6 +49,13 @@ class Survey {
         head_(head),
         fine_(sample_markings(pitch, 0.3)) {
     scale_ = std::max(maps_.front().height / 1080.0, 0.4);
+    for (std::size_t size = 0; size < 2; ++size) {
+      pitch::PitchSizes sizes{pitch.length_m, pitch.width_m, std::nullopt, pitch.crown_m,
+                              pitch.line_m};
+      if (pitch.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = pitch.in_goal_m;
+      (size == 0 ? *sizes.length_m : *sizes.width_m) += kSizeStep;
+      if (auto larger = pitch::make_pitch(pitch.sport, sizes)) larger_[size] = std::move(*larger);
+    }
   }
 
   base::Result<SurveyResult> run() {
@@ -199,6 +209,11 @@ class Survey {
 
   SurveySolution solve(double tolerance_px, bool last) {
     place_knots();
+    match_all(tolerance_px);
+    return solve_survey(solve_options(tolerance_px, last), problem_);
+  }
+
+  void match_all(double tolerance_px) {
     problem_.points.clear();
     if (head_) {
       for (std::size_t i = 0; i < stills_.size(); ++i)
@@ -206,6 +221,36 @@ class Survey {
     } else {
       for (const LineMap& map : maps_) match(0, map, tolerance_px);
     }
+  }
+
+  // What the lines say of the pitch's sizes: wider matches, so that a line in the wrong place is
+  // seen, and the sizes free.
+  base::Status check_sizes(SurveyResult& result) {
+    const SurveyProblem found = problem_;
+    const double tolerance = 8 * scale_;
+    match_all(tolerance);
+    SurveySolveOptions options = solve_options(tolerance, true);
+    options.sizes = true;
+    const SurveySolution solution = solve_survey(options, problem_);
+    problem_ = found;
+    result.size_change_m = solution.size_change;
+    result.size_sigma_m = solution.size_sigma;
+    bool refused = false;
+    for (int i = 0; i < 2; ++i)
+      refused =
+          refused || (std::abs(solution.size_change(i)) >
+                      std::max(options_.size_tolerance_m, kSizeSigmas * solution.size_sigma(i)));
+    if (!solution.converged || !refused) return {};
+    return base::fail(
+        base::ErrorKind::kNumerical, "survey",
+        fmt::format("the lines do not fit the stated pitch of {:.2f} x {:.2f} m; they fit one of "
+                    "about {:.2f} x {:.2f} m",
+                    pitch_.length_m, pitch_.width_m, pitch_.length_m + solution.size_change(0),
+                    pitch_.width_m + solution.size_change(1)),
+        "measure the pitch and state its sizes");
+  }
+
+  SurveySolveOptions solve_options(double tolerance_px, bool last) const {
     SurveySolveOptions options;
     options.head = head_;
     options.principal_prior_px = options_.principal_prior_px;
@@ -217,7 +262,7 @@ class Survey {
     options.point_sigma_px = options_.point_sigma_px * scale_;
     options.loss_px = std::max(0.5 * scale_, tolerance_px / 4);
     options.covariance = last;
-    return solve_survey(options, problem_);
+    return options;
   }
 
   void match(std::size_t head, const LineMap& map, double tolerance_px) {
@@ -235,6 +280,14 @@ class Survey {
       point.pixel = ridge.position.cast<double>();
       point.point_in_world = pitch_.on_turf(marking.at(on.distance));
       point.tangent_in_world = {tangent.x(), tangent.y(), 0};
+      for (int size = 0; size < 2; ++size) {
+        const auto& larger = larger_[static_cast<std::size_t>(size)];
+        if (larger.markings.size() != pitch_.markings.size()) continue;
+        const pitch::Marking& moved = larger.markings[static_cast<std::size_t>(on.marking)];
+        const double share = on.distance / std::max(marking.length(), 1e-9);
+        point.by_size.col(size) =
+            (larger.on_turf(moved.at(share * moved.length())) - point.point_in_world) / kSizeStep;
+      }
       problem_.points.push_back(point);
     }
   }
@@ -306,12 +359,28 @@ class Survey {
               pitch_.length_m, pitch_.width_m, result.rms_px, 100 * confirmed, 100 * explained),
           "measure the pitch and state its sizes");
     }
+    const geometry::Mount& mount = result.mount;
+    const double off_centre = std::max(std::abs(mount.cx - 0.5 * (mount.width - 1)),
+                                       std::abs(mount.cy - 0.5 * (mount.height - 1)));
+    const double off_level = std::max(std::abs(mount.level_x), std::abs(mount.level_y));
+    if (auto status = check_sizes(result); !status) return base::fail(status.error());
+    if (off_centre > kMostPriorSigmas * options_.principal_prior_px ||
+        (head_ && off_level > kMostPriorSigmas * options_.level_prior_deg * kDegree)) {
+      return base::fail(
+          base::ErrorKind::kNumerical, "survey",
+          fmt::format(
+              "the lines fit a pitch of {:.2f} x {:.2f} m only from a head {:.2f} degrees out "
+              "of level with its picture's middle {:.0f} px off",
+              pitch_.length_m, pitch_.width_m, off_level / kDegree, off_centre),
+          "check the pitch sizes and the stated side; state a wider prior if the head is so");
+    }
     result.stopped_because = "converged";
     return result;
   }
 
   std::vector<LineMap> maps_;
   const pitch::PitchModel& pitch_;
+  std::array<pitch::PitchModel, 2> larger_;  // by kSizeStep in length, in width
   Side side_;
   const SurveyOptions& options_;
   bool head_;
@@ -375,7 +444,8 @@ base::Status SurveyOptions::validate() const {
         check("fixed_roll_prior_deg", fixed_roll_prior_deg, 0.001, 30),
         check("shift_prior", shift_prior, 0.0001, 1), check("lens_knots", lens_knots, 1, 16),
         check("point_sigma_px", point_sigma_px, 0.01, 10),
-        check("most_rms_px", most_rms_px, 0.05, 20), check("rounds", rounds, 2, 20)})
+        check("most_rms_px", most_rms_px, 0.05, 20),
+        check("size_tolerance_m", size_tolerance_m, 0.005, 100), check("rounds", rounds, 2, 20)})
     if (!status) return status;
   return {};
 }

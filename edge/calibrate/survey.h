@@ -3,6 +3,7 @@
 // principal point, lens over zoom, and each still's pan, tilt and focal length.
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,7 +34,10 @@ struct SurveyOptions {
   int lens_knots = 4;  // over the log focal range of the stills
   double point_sigma_px = 0.25;  // of a measured line point
   double most_rms_px = 1.2;      // beyond this the lines do not fit the stated pitch, at 1080 lines
-  int rounds = 4;                // measure and solve, alternating
+  // A pitch whose lines say that it is this much longer or wider than stated is refused, where they
+  // say it surely.
+  double size_tolerance_m = 0.12;
+  int rounds = 4;  // measure and solve, alternating
 
   base::Status validate() const;
 };
@@ -46,6 +50,10 @@ struct SurveyResult {
   int points = 0;                                // line points of the last solution
   int iterations = 0;
   std::vector<double> still_rms_px;  // one a still; 0 where not solved
+  // How much longer and wider than stated the lines would have the pitch, with standard deviations;
+  // a large one means that the pictures do not tell.
+  Eigen::Vector2d size_change_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d size_sigma_m = Eigen::Vector2d::Zero();
   std::string stopped_because;
 };
 

@@ -10,11 +10,14 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr int kMount = 7;  // position, level x, level y, principal point
-constexpr int kHead = 4;   // pan, tilt, roll, log focal
+constexpr int kMount = 7;            // position, level x, level y, principal point
+constexpr double kHeldLevel = 1e-5;  // radians; levelling that is not looked for
+constexpr double kSizeSigma = 5;     // metres that a stated size may be wrong by
+constexpr int kHead = 4;             // pan, tilt, roll, log focal
 // Lens terms enter as their shift at this normalised radius' corner: radius of the picture corner
 // over the focal length.
 constexpr int kShifts = 2;
+constexpr int kSizes = 2;  // added to the pitch's length and width, metres
 
 template <typename T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
@@ -50,15 +53,18 @@ Matrix3<T> head_from_world(const T& level_x, const T& level_y) {
 struct LineDistance {
   Eigen::Vector2d pixel;
   Eigen::Vector3d point;
+  Eigen::Matrix<double, 3, 2> by_size;
   Eigen::Vector2d normal;  // in the picture, of the projected marking
   double corner_px;
   double log_low, log_high;  // of the knots; equal where only one is used
   double scale;
 
   template <typename T>
-  bool operator()(const T* mount, const T* head, const T* low, const T* high, T* residual) const {
-    const Vector3<T> world(T(point.x()) - mount[0], T(point.y()) - mount[1],
-                           T(point.z()) - mount[2]);
+  bool operator()(const T* mount, const T* head, const T* sizes, const T* low, const T* high,
+                  T* residual) const {
+    Vector3<T> world;
+    for (int i = 0; i < 3; ++i)
+      world(i) = point(i) + by_size(i, 0) * sizes[0] + by_size(i, 1) * sizes[1] - mount[i];
     const Vector3<T> p =
         cam_from_head(head[0], head[1], head[2]) * (head_from_world(mount[3], mount[4]) * world);
     if (p.z() < T(0.1)) return false;
@@ -137,6 +143,7 @@ class Solver {
     solution.converged = summary.IsSolutionUsable();
     solution.iterations = static_cast<int>(summary.iterations.size());
     store();
+    solution.size_change = {sizes_[0], sizes_[1]};
     residuals(solution);
     if (options_.covariance && solution.converged) covariance(solution);
     return solution;
@@ -170,6 +177,7 @@ class Solver {
       knots(heads_[still][3], low, high);
       auto* cost = new LineDistance{point.pixel,
                                     point.point_in_world,
+                                    point.by_size,
                                     {-along.y(), along.x()},
                                     corner_px_,
                                     std::log(problem_.mount.lens[low].focal_px),
@@ -180,13 +188,16 @@ class Solver {
       if (low == high) {
         // One knot: the same block may not be given twice.
         id = ceres_.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<OneKnot, 1, kMount, kHead, kShifts>(new OneKnot{*cost}),
-            loss, mount_.data(), heads_[still].data(), shifts_[low].data());
+            new ceres::AutoDiffCostFunction<OneKnot, 1, kMount, kHead, kSizes, kShifts>(
+                new OneKnot{*cost}),
+            loss, mount_.data(), heads_[still].data(), sizes_.data(), shifts_[low].data());
         delete cost;
       } else {
-        id = ceres_.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<LineDistance, 1, kMount, kHead, kShifts, kShifts>(cost),
-            loss, mount_.data(), heads_[still].data(), shifts_[low].data(), shifts_[high].data());
+        id =
+            ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<LineDistance, 1, kMount, kHead,
+                                                                    kSizes, kShifts, kShifts>(cost),
+                                    loss, mount_.data(), heads_[still].data(), sizes_.data(),
+                                    shifts_[low].data(), shifts_[high].data());
       }
       point_blocks_.push_back({id, static_cast<int>(still)});
       point_scale_ = scale;
@@ -196,8 +207,9 @@ class Solver {
   struct OneKnot {
     LineDistance distance;
     template <typename T>
-    bool operator()(const T* mount, const T* head, const T* shifts, T* residual) const {
-      return distance(mount, head, shifts, shifts, residual);
+    bool operator()(const T* mount, const T* head, const T* sizes, const T* shifts,
+                    T* residual) const {
+      return distance(mount, head, sizes, shifts, shifts, residual);
     }
   };
 
@@ -212,7 +224,13 @@ class Solver {
     const geometry::Mount& mount = problem_.mount;
     prior<kMount>(mount_.data(), 5, 0.5 * (mount.width - 1), options_.principal_prior_px);
     prior<kMount>(mount_.data(), 6, 0.5 * (mount.height - 1), options_.principal_prior_px);
-    const double level = options_.head ? options_.level_sigma : 1e-7;
+    ceres_.AddParameterBlock(sizes_.data(), kSizes);
+    if (options_.sizes) {
+      for (int i = 0; i < kSizes; ++i) prior<kSizes>(sizes_.data(), i, 0, kSizeSigma);
+    } else {
+      ceres_.SetParameterBlockConstant(sizes_.data());
+    }
+    const double level = options_.head ? options_.level_sigma : kHeldLevel;
     prior<kMount>(mount_.data(), 3, 0, level);
     prior<kMount>(mount_.data(), 4, 0, level);
     for (auto& head : heads_) {
@@ -275,10 +293,16 @@ class Solver {
     ceres::Covariance estimate(settings);
     std::vector<std::pair<const double*, const double*>> blocks{{mount_.data(), mount_.data()}};
     for (const auto& head : heads_) blocks.emplace_back(head.data(), head.data());
+    if (options_.sizes) blocks.emplace_back(sizes_.data(), sizes_.data());
     if (!estimate.Compute(blocks, &ceres_)) return;
     Eigen::Matrix<double, kMount, kMount, Eigen::RowMajor> mount;
     estimate.GetCovarianceBlock(mount_.data(), mount_.data(), mount.data());
     problem_.mount.covariance = mount;
+    if (options_.sizes) {
+      Eigen::Matrix<double, kSizes, kSizes, Eigen::RowMajor> sizes;
+      estimate.GetCovarianceBlock(sizes_.data(), sizes_.data(), sizes.data());
+      solution.size_sigma = sizes.diagonal().cwiseMax(0).cwiseSqrt();
+    }
     for (const auto& head : heads_) {
       Eigen::Matrix<double, kHead, kHead, Eigen::RowMajor> block;
       estimate.GetCovarianceBlock(head.data(), head.data(), block.data());
@@ -295,6 +319,7 @@ class Solver {
   SurveyProblem& problem_;
   // Parameters outlive the ceres problem that points to them.
   std::array<double, kMount> mount_{};
+  std::array<double, kSizes> sizes_{};
   std::vector<std::array<double, kHead>> heads_;
   std::vector<std::array<double, kShifts>> shifts_;
   double corner_px_ = 1;
