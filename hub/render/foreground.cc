@@ -4,252 +4,274 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "hub/render/foreground_internal.h"
+#include "hub/render/ray_shape_internal.h"
 
 namespace touchline::render {
 namespace {
 
-constexpr int kTile = 32;  // pixels of a picture tile that share a list of candidates
-constexpr int kMostViews = 32;
-constexpr double kDropped = 0.02;  // shares of the colour below this are not looked up
-constexpr double kNearSlope = 6;   // of log weight over steps of penalty
+constexpr int kCell = 32;              // pixels of a part of the picture that is worked on at once
+constexpr int kSpread = 3;             // pixels over which the weights of cameras are evened out
+constexpr double kSameSurface = 0.15;  // metres in depth within which they are
+constexpr float kLookedUp = 0.02f;     // shares of the colour below this are not
 
-// How well a camera serves a point, in steps; 0 is a camera in the virtual one's place.
-struct Candidate {
-  int view = 0;
-  double penalty = 0;
-  float matter = 0;  // 0..1: how much its matte decides
-};
-
-struct Candidates {
-  std::array<Candidate, kMostViews> items;
-  int count = 0;
-};
-
-struct Eye {
-  Eigen::Vector3d origin;
-  Eigen::Vector3d direction;
-  double pixel = 0;  // radians
-};
-
-struct Fragment {
+// One of the surfaces that a pixel shows, front to back.
+struct Layer {
   double distance = 0;
-  int interval = -1;
+  float coverage = 0;  // of what the layers before it leave open
+  int group = -1;
   int card = -1;
+};
+
+// A kCell x kCell part of the picture.
+struct Cell {
+  bool hull = false;
+  std::vector<int> cards;
+  std::vector<Layer> layers;         // pixel by pixel
+  std::vector<ViewWeight> weights;   // of all views, layer by layer
+  std::vector<std::uint32_t> first;  // of each pixel's layers, and the end
+  std::vector<double> share;
+  std::vector<double> groups;
+  std::vector<double> card_cover;
 };
 
 class Painter {
  public:
   Painter(const ForegroundScene& scene, const pitch::PitchModel& pitch,
-          const RenderOptions& options)
-      : scene_(scene), pitch_(pitch), options_(options) {}
+          const geometry::CameraEstimate& camera, const RenderOptions& options)
+      : scene_(scene),
+        pitch_(pitch),
+        camera_(camera),
+        origin_(geometry::position_in_world(camera)),
+        shape_(scene.views, scene.surfaces, options),
+        columns_((camera.model.width + kCell - 1) / kCell),
+        rows_((camera.model.height + kCell - 1) / kCell),
+        cells_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
 
-  struct Pixel {
-    Eigen::Vector3f colour = Eigen::Vector3f::Zero();
-    float coverage = 0;
-  };
-  struct Tally {
-    std::vector<double> share;
-    std::vector<double> groups;
-    std::vector<double> cards;
-  };
+  void mark(const image::Rect& r, bool hull, int card) {
+    if (r.empty()) return;
+    for (int y = r.y / kCell; y <= (r.y + r.height - 1) / kCell; ++y) {
+      for (int x = r.x / kCell; x <= (r.x + r.width - 1) / kCell; ++x) {
+        Cell& cell = cells_[static_cast<std::size_t>(y * columns_ + x)];
+        cell.hull = cell.hull || hull;
+        if (card >= 0) cell.cards.push_back(card);
+      }
+    }
+  }
 
-  Pixel paint(const Eye& eye, bool hull_near, std::span<const int> cards, Tally& tally) const {
+  void paint(Foreground& out) {
+    tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t k) { find(k); });
+    tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t k) { colour(k, out); });
+    for (const Cell& cell : cells_) {
+      for (std::size_t i = 0; i < cell.share.size(); ++i) out.share[i] += cell.share[i];
+      for (std::size_t i = 0; i < cell.groups.size(); ++i) out.group_cover[i] += cell.groups[i];
+      for (std::size_t i = 0; i < cell.card_cover.size(); ++i) {
+        out.card_cover[i] += cell.card_cover[i];
+      }
+    }
+  }
+
+ private:
+  Eye eye(int x, int y) const {
+    return {origin_,
+            geometry::ray_in_world(camera_, {static_cast<double>(x), static_cast<double>(y)}),
+            1 / camera_.model.fx};
+  }
+
+  // First: the layers of each pixel and what each camera may give them.
+  void find(std::size_t k) {
+    Cell& cell = cells_[k];
+    if (!cell.hull && cell.cards.empty()) return;
+    const int x0 = static_cast<int>(k) % columns_ * kCell;
+    const int y0 = static_cast<int>(k) / columns_ * kCell;
+    cell.first.reserve(kCell * kCell + 1);
+    for (int y = y0; y < y0 + kCell; ++y) {
+      for (int x = x0; x < x0 + kCell; ++x) {
+        cell.first.push_back(static_cast<std::uint32_t>(cell.layers.size()));
+        if (x < camera_.model.width && y < camera_.model.height) find_layers(eye(x, y), cell);
+      }
+    }
+    cell.first.push_back(static_cast<std::uint32_t>(cell.layers.size()));
+  }
+
+  void find_layers(const Eye& eye, Cell& cell) const {
     double ground = std::numeric_limits<double>::infinity();
     if (const auto turf = pitch::intersect_turf(pitch_, eye.origin, eye.direction)) {
       ground = (*turf - eye.origin).norm();
     }
+    struct Piece {
+      double distance = 0;
+      int interval = -1;
+      int card = -1;
+    };
+    std::array<Piece, 32> pieces;
+    std::size_t count = 0;
     Intervals intervals;
-    if (hull_near) {
+    if (cell.hull) {
       intervals =
           scene_.surfaces.intervals(eye.origin, eye.direction, std::min(ground + 0.1, 1000.0));
     }
-    std::array<Fragment, 32> fragments;
-    std::size_t count = 0;
-    for (int i = 0; i < intervals.count && count < fragments.size(); ++i) {
-      fragments[count++] = {intervals.items[static_cast<std::size_t>(i)].enter, i, -1};
+    for (int i = 0; i < intervals.count && count < pieces.size(); ++i) {
+      pieces[count++] = {intervals.items[static_cast<std::size_t>(i)].enter, i, -1};
     }
-    for (const int card : cards) {
+    for (const int card : cell.cards) {
       const Card& c = scene_.cards[static_cast<std::size_t>(card)];
       const double facing = eye.direction.dot(c.normal);
-      if (std::abs(facing) < 1e-6 || count == fragments.size()) continue;
+      if (std::abs(facing) < 1e-6 || count == pieces.size()) continue;
       const double t = (c.point - eye.origin).dot(c.normal) / facing;
-      if (t > 0 && t < ground + 0.3) fragments[count++] = {t, -1, card};
+      if (t > 0 && t < ground + 0.3) pieces[count++] = {t, -1, card};
     }
-    std::sort(fragments.begin(), fragments.begin() + static_cast<std::ptrdiff_t>(count),
-              [](const Fragment& a, const Fragment& b) {
+    std::sort(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(count),
+              [](const Piece& a, const Piece& b) {
                 if (a.distance != b.distance) return a.distance < b.distance;
                 return a.interval != b.interval ? a.interval < b.interval : a.card < b.card;
               });
-    Pixel out;
-    for (std::size_t i = 0; i < count && out.coverage < 0.995f; ++i) {
-      const float open = 1 - out.coverage;
-      Eigen::Vector3f colour = Eigen::Vector3f::Zero();
-      float coverage = 0;
-      if (fragments[i].card >= 0) {
-        const Card& card = scene_.cards[static_cast<std::size_t>(fragments[i].card)];
-        coverage = paint_card(card, eye.origin + fragments[i].distance * eye.direction, colour);
-        tally.cards[static_cast<std::size_t>(fragments[i].card)] +=
-            static_cast<double>(open * coverage);
-        tally.share[static_cast<std::size_t>(card.view)] += static_cast<double>(open * coverage);
+    float open = 1;
+    const std::size_t views = scene_.views.size();
+    for (std::size_t i = 0; i < count && open > 0.005f; ++i) {
+      Layer layer;
+      if (pieces[i].card >= 0) {
+        layer.card = pieces[i].card;
+        layer.distance = pieces[i].distance;
+        layer.coverage = card_coverage(scene_.cards[static_cast<std::size_t>(layer.card)],
+                                       eye.origin + layer.distance * eye.direction);
+        if (layer.coverage < 0.02f) continue;
+        cell.weights.resize(cell.weights.size() + views);
       } else {
-        const Interval& interval = intervals.items[static_cast<std::size_t>(fragments[i].interval)];
-        coverage = paint_interval(eye, interval, ground, open, colour, tally);
-        tally.groups[static_cast<std::size_t>(interval.group)] +=
-            static_cast<double>(open * coverage);
+        const Interval& interval = intervals.items[static_cast<std::size_t>(pieces[i].interval)];
+        const double leave = std::min(interval.leave, ground + 0.05);
+        const Candidates candidates = shape_.rank(eye, 0.5 * (interval.enter + leave));
+        const SurfacePoint point = shape_.search(eye, candidates, interval.enter, leave);
+        if (point.coverage < 0.02f) continue;
+        layer.group = interval.group;
+        layer.distance = point.distance;
+        layer.coverage = point.coverage;
+        cell.weights.resize(cell.weights.size() + views);
+        const std::span<ViewWeight> weights(cell.weights.data() + cell.weights.size() - views,
+                                            views);
+        if (!shape_.weigh(eye, candidates, layer.distance, layer.group, weights)) {
+          cell.weights.resize(cell.weights.size() - views);
+          continue;
+        }
       }
-      out.colour += open * coverage * colour;
-      out.coverage += open * coverage;
+      cell.layers.push_back(layer);
+      open *= 1 - layer.coverage;
     }
-    return out;
   }
 
- private:
-  Candidates rank(const Eye& eye, double distance) const {
-    Candidates out;
-    const Eigen::Vector3d point = eye.origin + distance * eye.direction;
-    const double wanted = eye.pixel * distance;
-    const double scale = options_.angle_scale_deg * std::numbers::pi / 180;
-    for (std::size_t i = 0; i < scene_.views.size() && out.count < kMostViews; ++i) {
-      const SourceView& view = scene_.views[i];
-      float x = 0, y = 0;
-      if (!view.project(point, x, y)) continue;
-      const Eigen::Vector3d way = point - view.position();
-      const double length = way.norm();
-      const double angle = std::acos(std::clamp(way.dot(eye.direction) / length, -1.0, 1.0));
-      const double octaves = std::max(0.0, std::log2(length / view.focal_px() / wanted));
-      out.items[static_cast<std::size_t>(out.count++)] = {
-          static_cast<int>(i), angle / scale + options_.resolution_weight * octaves, 0};
-    }
-    std::sort(out.items.begin(), out.items.begin() + out.count,
-              [](const Candidate& a, const Candidate& b) {
-                return a.penalty != b.penalty ? a.penalty < b.penalty : a.view < b.view;
-              });
-    // The best decide; a camera fades out before the next better ones replace it.
-    const int most = std::min(out.count, options_.cameras_per_point);
-    const double limit = out.count > most ? out.items[static_cast<std::size_t>(most)].penalty
-                                          : std::numeric_limits<double>::infinity();
-    const double least = out.count > 0 ? out.items[0].penalty : 0;
-    for (int k = 0; k < most; ++k) {
-      Candidate& c = out.items[static_cast<std::size_t>(k)];
-      const double room = std::max(0.25 * (limit - least), 0.25);
-      c.matter = std::isfinite(limit)
-                     ? static_cast<float>(std::clamp((limit - c.penalty) / room, 0.0, 1.0))
-                     : 1.f;
-      if (k == 0) c.matter = 1;
-    }
-    return out;
-  }
-
-  // 0..1: what the mattes of the deciding cameras leave of a point.
-  float agreement(const Candidates& candidates, const Eigen::Vector3d& point) const {
-    float left = 1;
-    for (int k = 0; k < candidates.count; ++k) {
-      const Candidate& c = candidates.items[static_cast<std::size_t>(k)];
-      if (c.matter <= 0) break;
-      const SourceView& view = scene_.views[static_cast<std::size_t>(c.view)];
-      float x = 0, y = 0;
-      if (!view.project(point, x, y)) continue;
-      left *= 1 - c.matter * (1 - view.support(x, y));
-      if (left < 0.02f) return 0;
-    }
-    return left;
-  }
-
-  float paint_interval(const Eye& eye, const Interval& interval, double ground, float open,
-                       Eigen::Vector3f& colour, Tally& tally) const {
-    const double enter = interval.enter;
-    const double leave = std::min(interval.leave, ground + 0.05);
-    if (leave <= enter) return 0;
-    const Candidates candidates = rank(eye, 0.5 * (enter + leave));
-    if (candidates.count == 0) return 0;
-    const int steps =
-        std::clamp(static_cast<int>(std::ceil((leave - enter) / options_.step_m)), 1, 400);
-    const double step = (leave - enter) / steps;
-    float best = 0;
-    double best_at = enter;
-    bool found = false;
-    for (int k = 0; k <= steps; ++k) {
-      const double t = enter + k * step;
-      const float value = agreement(candidates, eye.origin + t * eye.direction);
-      if (value > best) {
-        best = value;
-        if (!found) best_at = t;
-      }
-      if (value >= 0.5f) found = true;
-      if (best > 0.98f) break;
-    }
-    if (best < 0.02f) return 0;
-    return texture(eye, candidates, best_at, interval.group, colour, open * best, tally) ? best
-                                                                                         : 0.f;
-  }
-
-  double visibility(const SourceView& view, const Eigen::Vector3d& point, int group) const {
-    const HullSurfaces::Blocking b = scene_.surfaces.blocking(point, view.position(), group);
-    const double own = b.own / std::max(options_.visible_depth_m, 1e-3);
-    return std::clamp(2 - own, 0.0, 1.0) * std::clamp(1 - b.other / 0.05, 0.0, 1.0);
-  }
-
-  // Colour from the cameras that see the point, the best ones first.
-  bool texture(const Eye& eye, const Candidates& candidates, double distance, int group,
-               Eigen::Vector3f& colour, float amount, Tally& tally) const {
-    const Eigen::Vector3d point = eye.origin + distance * eye.direction;
-    std::array<double, kMostViews> weight{};
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double total = 0;
-    // Twice: cameras that see the point; and where none does, those whose matte holds foreground.
-    for (int pass = 0; pass < 2 && total <= 0; ++pass) {
-      for (int k = 0; k < candidates.count; ++k) {
-        const Candidate& c = candidates.items[static_cast<std::size_t>(k)];
-        const auto at = static_cast<std::size_t>(c.view);
-        const SourceView& view = scene_.views[at];
-        if (!view.has_texture()) continue;
-        const double near = std::exp(-kNearSlope * (c.penalty - candidates.items[0].penalty));
-        if (near < kDropped * total) break;
-        float x = 0, y = 0;
-        if (!view.project(point, x, y)) continue;
-        const Sample s = view.foreground(x, y);
-        if (s.weight <= 0) continue;
-        double w = near * static_cast<double>(s.weight);
-        if (pass == 0) w *= visibility(view, point, group);
-        if (w <= 0) continue;
-        sum += w * s.colour.cast<double>();
-        total += w;
-        weight[at] = w;
-      }
-    }
-    if (total <= 0) return false;
-    colour = (sum / total).cast<float>();
-    for (std::size_t i = 0; i < scene_.views.size() && i < weight.size(); ++i) {
-      tally.share[i] += static_cast<double>(amount) * weight[i] / total;
-    }
-    return true;
-  }
-
-  float paint_card(const Card& card, const Eigen::Vector3d& point, Eigen::Vector3f& colour) const {
+  float card_coverage(const Card& card, const Eigen::Vector3d& point) const {
     if (point.z() > card.top_m) return 0;
     const SourceView& view = scene_.views[static_cast<std::size_t>(card.view)];
     float x = 0, y = 0;
     if (!view.project(point, x, y)) return 0;
     if (!card.region.contains(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f))) return 0;
     const float alpha = view.alpha(x, y);
-    if (alpha < 0.02f) return 0;
-    if (card.group >= 0 &&
-        scene_.surfaces.first(view.position(), (point - view.position()).normalized()) !=
-            card.group) {
-      return 0;
+    if (alpha < 0.02f || view.foreground(x, y).weight <= 0) return 0;
+    if (card.group < 0) return alpha;
+    const Eigen::Vector3d way = (point - view.position()).normalized();
+    return scene_.surfaces.first(view.position(), way) == card.group ? alpha : 0;
+  }
+
+  // Second: colours, with weights evened out over neighbouring pixels of the same surface.
+  void colour(std::size_t k, Foreground& out) {
+    Cell& cell = cells_[k];
+    if (cell.layers.empty()) return;
+    cell.share.assign(out.share.size(), 0);
+    cell.groups.assign(out.group_cover.size(), 0);
+    cell.card_cover.assign(out.card_cover.size(), 0);
+    const int x0 = static_cast<int>(k) % columns_ * kCell;
+    const int y0 = static_cast<int>(k) / columns_ * kCell;
+    for (int y = 0; y < kCell; ++y) {
+      for (int x = 0; x < kCell; ++x) {
+        const auto p = static_cast<std::size_t>(y * kCell + x);
+        if (cell.first[p] == cell.first[p + 1]) continue;
+        const Eye ray = eye(x0 + x, y0 + y);
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        float covered = 0;
+        for (std::uint32_t l = cell.first[p]; l < cell.first[p + 1]; ++l) {
+          const Layer& layer = cell.layers[l];
+          const float amount = (1 - covered) * layer.coverage;
+          sum += amount * layer_colour(cell, l, ray, x0 + x, y0 + y, amount);
+          covered += amount;
+          if (layer.group >= 0) {
+            cell.groups[static_cast<std::size_t>(layer.group)] += static_cast<double>(amount);
+          } else {
+            cell.card_cover[static_cast<std::size_t>(layer.card)] += static_cast<double>(amount);
+          }
+        }
+        out.colour(x0 + x, y0 + y) = sum;
+        out.coverage(x0 + x, y0 + y) = covered;
+      }
     }
-    const Sample s = view.foreground(x, y);
-    if (s.weight <= 0) return 0;
-    colour = s.colour;
-    return alpha;
+  }
+
+  Eigen::Vector3f layer_colour(Cell& cell, std::uint32_t l, const Eye& ray, int x, int y,
+                               float amount) const {
+    const Layer& layer = cell.layers[l];
+    const Eigen::Vector3d point = ray.origin + layer.distance * ray.direction;
+    const std::size_t views = scene_.views.size();
+    std::array<float, kMostViews> weight{};
+    if (layer.card >= 0) {
+      weight[static_cast<std::size_t>(scene_.cards[static_cast<std::size_t>(layer.card)].view)] = 1;
+    } else {
+      gather(layer, x, y, weight);
+      const ViewWeight* own = cell.weights.data() + l * views;
+      float total = 0;
+      for (std::size_t i = 0; i < views && i < weight.size(); ++i) {
+        // Not from a camera that another person hides here.
+        weight[i] *= own[i].weight > 0 ? 1.f : own[i].open;
+        total += weight[i];
+      }
+      for (std::size_t i = 0; i < views && i < weight.size(); ++i) {
+        weight[i] = total > 1e-3f ? weight[i] / total : own[i].weight;
+      }
+    }
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float total = 0;
+    for (std::size_t i = 0; i < views && i < weight.size(); ++i) {
+      if (weight[i] < kLookedUp) continue;
+      const SourceView& view = scene_.views[i];
+      float px = 0, py = 0;
+      if (!view.has_texture() || !view.project(point, px, py)) continue;
+      const Sample s = view.foreground(px, py);
+      if (s.weight <= 0) continue;
+      sum += weight[i] * s.colour;
+      total += weight[i];
+      cell.share[i] += static_cast<double>(amount * weight[i]);
+    }
+    return total > 0 ? Eigen::Vector3f(sum / total) : Eigen::Vector3f::Zero();
+  }
+
+  void gather(const Layer& layer, int x, int y, std::array<float, kMostViews>& weight) const {
+    const std::size_t views = std::min<std::size_t>(scene_.views.size(), weight.size());
+    for (int ny = std::max(0, y - kSpread); ny <= std::min(camera_.model.height - 1, y + kSpread);
+         ++ny) {
+      for (int nx = std::max(0, x - kSpread); nx <= std::min(camera_.model.width - 1, x + kSpread);
+           ++nx) {
+        const Cell& cell = cells_[static_cast<std::size_t>(ny / kCell * columns_ + nx / kCell)];
+        if (cell.layers.empty()) continue;
+        const auto p = static_cast<std::size_t>(ny % kCell * kCell + nx % kCell);
+        for (std::uint32_t l = cell.first[p]; l < cell.first[p + 1]; ++l) {
+          const Layer& other = cell.layers[l];
+          if (other.group != layer.group || other.card >= 0) continue;
+          if (std::abs(other.distance - layer.distance) > kSameSurface) continue;
+          const ViewWeight* w = cell.weights.data() + l * scene_.views.size();
+          for (std::size_t i = 0; i < views; ++i) weight[i] += w[i].weight;
+          break;
+        }
+      }
+    }
   }
 
   const ForegroundScene& scene_;
   const pitch::PitchModel& pitch_;
-  const RenderOptions& options_;
+  const geometry::CameraEstimate& camera_;
+  const Eigen::Vector3d origin_;
+  const RayShape shape_;
+  const int columns_;
+  const int rows_;
+  std::vector<Cell> cells_;
 };
 
 // Pixels that a world box may cover, one pixel more on each side; the whole picture when a corner
@@ -298,140 +320,23 @@ Eigen::AlignedBox3d box_of(const Card& card, const pitch::PitchModel& pitch) {
 
 Foreground render_foreground(const ForegroundScene& scene, const pitch::PitchModel& pitch,
                              const geometry::CameraEstimate& camera, const RenderOptions& options) {
-  const int width = camera.model.width;
-  const int height = camera.model.height;
   Foreground out;
-  out.colour = image::Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
-  out.coverage = image::Image<float>(width, height, 0.f);
+  out.colour = image::Image<Eigen::Vector3f>(camera.model.width, camera.model.height,
+                                             Eigen::Vector3f::Zero());
+  out.coverage = image::Image<float>(camera.model.width, camera.model.height, 0.f);
   out.share.assign(scene.views.size(), 0);
   out.group_cover.assign(scene.hull.groups.size(), 0);
   out.card_cover.assign(scene.cards.size(), 0);
-
-  // What each tile of the picture may show.
-  const int columns = (width + kTile - 1) / kTile;
-  const int rows = (height + kTile - 1) / kTile;
-  struct Cell {
-    bool hull = false;
-    std::vector<int> cards;
-  };
-  std::vector<Cell> cells(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  const auto mark = [&](const image::Rect& r, auto&& action) {
-    if (r.empty()) return;
-    for (int y = r.y / kTile; y <= (r.y + r.height - 1) / kTile; ++y) {
-      for (int x = r.x / kTile; x <= (r.x + r.width - 1) / kTile; ++x) {
-        action(cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
-                     static_cast<std::size_t>(x)]);
-      }
-    }
-  };
-  if (scene.show_hull) {
-    for (const scene::HullGroup& group : scene.hull.groups) {
-      if (group.phantom || group.surface.triangles.empty()) continue;
-      mark(box_in_view(camera, group.bounds), [](Cell& cell) { cell.hull = true; });
-    }
+  Painter painter(scene, pitch, camera, options);
+  for (const scene::HullGroup& group : scene.hull.groups) {
+    if (!scene.show_hull || group.phantom || group.surface.triangles.empty()) continue;
+    painter.mark(box_in_view(camera, group.bounds), true, -1);
   }
   for (std::size_t i = 0; i < scene.cards.size(); ++i) {
-    mark(box_in_view(camera, box_of(scene.cards[i], pitch)),
-         [i](Cell& cell) { cell.cards.push_back(static_cast<int>(i)); });
+    painter.mark(box_in_view(camera, box_of(scene.cards[i], pitch)), false, static_cast<int>(i));
   }
-
-  const Painter painter(scene, pitch, options);
-  const Eigen::Vector3d origin = geometry::position_in_world(camera);
-  std::vector<Painter::Tally> tallies(cells.size());
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
-    const Cell& cell = cells[k];
-    if (!cell.hull && cell.cards.empty()) return;
-    Painter::Tally& tally = tallies[k];
-    tally.share.assign(out.share.size(), 0);
-    tally.groups.assign(out.group_cover.size(), 0);
-    tally.cards.assign(out.card_cover.size(), 0);
-    const int x0 = static_cast<int>(k) % columns * kTile;
-    const int y0 = static_cast<int>(k) / columns * kTile;
-    for (int y = y0; y < std::min(height, y0 + kTile); ++y) {
-      for (int x = x0; x < std::min(width, x0 + kTile); ++x) {
-        const Eye eye{
-            origin,
-            geometry::ray_in_world(camera, {static_cast<double>(x), static_cast<double>(y)}),
-            1 / camera.model.fx};
-        const Painter::Pixel pixel = painter.paint(eye, cell.hull, cell.cards, tally);
-        out.colour(x, y) = pixel.colour;
-        out.coverage(x, y) = pixel.coverage;
-      }
-    }
-  });
-  for (const Painter::Tally& tally : tallies) {
-    for (std::size_t i = 0; i < tally.share.size(); ++i) out.share[i] += tally.share[i];
-    for (std::size_t i = 0; i < tally.groups.size(); ++i) out.group_cover[i] += tally.groups[i];
-    for (std::size_t i = 0; i < tally.cards.size(); ++i) out.card_cover[i] += tally.cards[i];
-  }
-  for (double& s : out.share) s /= static_cast<double>(width) * height;
-  return out;
-}
-
-std::vector<Card> group_cards(std::span<const SourceView> views, const scene::Hull& hull,
-                              const Eigen::Vector3d& eye) {
-  std::vector<Card> out;
-  for (std::size_t g = 0; g < hull.groups.size(); ++g) {
-    const scene::HullGroup& group = hull.groups[g];
-    if (group.phantom || group.surface.triangles.empty()) continue;
-    const Eigen::Vector3d centre = group.bounds.center();
-    const Eigen::Vector3d ray = (centre - eye).normalized();
-    int best = -1;
-    double best_cosine = -2;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      if (!views[i].has_texture()) continue;
-      if (std::find(group.support.begin(), group.support.end(), views[i].id()) ==
-          group.support.end()) {
-        continue;
-      }
-      float x = 0, y = 0;
-      if (!views[i].project(centre, x, y)) continue;
-      const double cosine = (centre - views[i].position()).normalized().dot(ray);
-      if (cosine > best_cosine) {
-        best_cosine = cosine;
-        best = static_cast<int>(i);
-      }
-    }
-    if (best < 0) continue;
-    const SourceView& view = views[static_cast<std::size_t>(best)];
-    Card card;
-    card.view = best;
-    card.group = static_cast<int>(g);
-    card.id = group.id;
-    card.region = {0, 0, view.view().estimate.model.width, view.view().estimate.model.height};
-    card.point = centre;
-    card.normal = view.position() - centre;
-    card.normal.z() = 0;
-    card.normal.normalize();
-    card.top_m = group.bounds.max().z() + 0.5;
-    card.half_width_m = group.bounds.diagonal().head<2>().norm() / 2 + 0.2;
-    out.push_back(card);
-  }
-  return out;
-}
-
-std::vector<Card> billboard_cards(std::span<const SourceView> views, const scene::Hull& hull) {
-  std::vector<Card> out;
-  for (const scene::Billboard& billboard : hull.billboards) {
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const SourceView& view = views[i];
-      if (view.id() != billboard.camera || !view.has_texture()) continue;
-      Card card;
-      card.view = static_cast<int>(i);
-      card.id = billboard.id;
-      card.region = billboard.region;
-      card.point = billboard.foot_in_world;
-      card.normal = view.position() - billboard.foot_in_world;
-      card.normal.z() = 0;
-      card.normal.normalize();
-      card.top_m = billboard.foot_in_world.z() + std::max(0.5, billboard.height_m * 1.1);
-      const double metres_per_px =
-          (view.position() - billboard.foot_in_world).norm() / view.focal_px();
-      card.half_width_m = 0.6 * metres_per_px * billboard.region.width + 0.2;
-      out.push_back(card);
-      break;
-    }
-  }
+  painter.paint(out);
+  for (double& s : out.share) s /= static_cast<double>(out.coverage.size());
   return out;
 }
 

@@ -15,6 +15,7 @@ base::Status RenderOptions::validate() const {
         Bound{"resolution_weight", resolution_weight, 0, 4},
         Bound{"border_feather_px", border_feather_px, 0, 100}, Bound{"step_m", step_m, 0.002, 0.2},
         Bound{"matte_tolerance_px", matte_tolerance_px, 0, 5},
+        Bound{"far_matte_tolerance_px", far_matte_tolerance_px, 0, 5},
         Bound{"visible_depth_m", visible_depth_m, 0, 1},
         Bound{"border_feather_deg", border_feather_deg, 0, 10},
         Bound{"background_angle_deg", background_angle_deg, 1, 180}}) {

@@ -27,7 +27,8 @@ SourceView::SourceView(const codec::CameraView& view, const Eigen::Vector3d& gai
       translation_(view.estimate.cam_from_world.translation),
       position_(geometry::position_in_world(view.estimate)),
       fold_(std::min(model_.fold_radius_squared(), 1e12)) {
-  allow(options.matte_tolerance_px);
+  allow(options.matte_tolerance_px, support_);
+  allow(options.far_matte_tolerance_px, loose_support_);
   if (!view.tiles || view.tiles->empty()) return;
   has_texture_ = true;
   place_tiles(gain, options.border_feather_px);
@@ -61,10 +62,10 @@ float SourceView::bilinear(const image::Image<std::uint8_t>& plane, float x, flo
          (1.f / 255.f);
 }
 
-void SourceView::allow(double tolerance_px) {
+void SourceView::allow(double tolerance_px, image::Image<std::uint8_t>& plane) const {
   const image::Matte& matte = *view_->matte;
-  support_ = matte.alpha;
-  cv::Mat support(support_.height(), support_.width(), CV_8U, support_.data());
+  plane = matte.alpha;
+  cv::Mat support(plane.height(), plane.width(), CV_8U, plane.data());
   const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   double left = tolerance_px;
   while (left > 1e-3) {
@@ -74,8 +75,8 @@ void SourceView::allow(double tolerance_px) {
     cv::addWeighted(support, 1 - share, wider, share, 0, support);
     left -= 1;
   }
-  if (matte.unknown.size() == support_.size()) cv::max(support, borrow(matte.unknown), support);
-  if (matte.occluders.size() == support_.size()) cv::max(support, borrow(matte.occluders), support);
+  if (matte.unknown.size() == plane.size()) cv::max(support, borrow(matte.unknown), support);
+  if (matte.occluders.size() == plane.size()) cv::max(support, borrow(matte.occluders), support);
 }
 
 void SourceView::place_tiles(const Eigen::Vector3d& gain, double feather_px) {
@@ -165,21 +166,17 @@ void SourceView::measure_shade(const PlateTexture& plate) {
       double light = 0;
       int n = 0;
       int fade = 255;
-      bool people = false;
       for (int y = cy * kShadeCell; y < std::min(model_.height, (cy + 1) * kShadeCell); ++y) {
         for (int x = cx * kShadeCell; x < std::min(model_.width, (cx + 1) * kShadeCell); ++x) {
           const Texel& t = raw_(x, y);
           if (t.a == 0) continue;
-          if (matte.alpha(x, y) > 8 || support_(x, y) > 200) {
-            people = true;
-            continue;
-          }
+          if (matte.alpha(x, y) > 8 || support_(x, y) > 200) continue;
           light += 0.2126 * t.r + 0.7152 * t.g + 0.0722 * t.b;
           fade = std::min(fade, static_cast<int>(t.a));
           ++n;
         }
       }
-      if (n < (people ? 5 : 8)) continue;
+      if (n < 2) continue;
       const Eigen::Vector3d ray = model_.unproject(
           {cx * kShadeCell + (kShadeCell - 1) / 2.0, cy * kShadeCell + (kShadeCell - 1) / 2.0});
       const Eigen::Vector2f p = plate.position(rotation_.transpose() * ray);
@@ -215,6 +212,11 @@ Sample SourceView::foreground(float x, float y) const {
   out.colour /= total;
   out.weight = fade / 255.f;
   return out;
+}
+
+float SourceView::shown(float x, float y) const {
+  const Texel& nearest = clean_(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
+  return nearest.a == 0 ? foreground(x, y).weight : static_cast<float>(nearest.a) / 255.f;
 }
 
 SourceView::Shade SourceView::shade(float x, float y) const {

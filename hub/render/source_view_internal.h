@@ -31,12 +31,17 @@ class SourceView {
 
   // 0..1: how far the matte allows foreground here; unknown allows it. The point must be inside.
   float support(float x, float y) const { return bilinear(support_, x, y); }
+  // The same at the wider tolerance.
+  float loose_support(float x, float y) const { return bilinear(loose_support_, x, y); }
   // 0..1: coverage as the matte has it.
   float alpha(float x, float y) const { return bilinear(view_->matte->alpha, x, y); }
 
   // Foreground colour 0..255 and a weight 0..1 that fades towards the border of tile and picture;
   // weight 0 where no tile holds foreground.
   Sample foreground(float x, float y) const;
+
+  // The weight of foreground() alone.
+  float shown(float x, float y) const;
 
   // How dark the turf is against the plate (1 = as the plate), with a weight 0..1.
   struct Shade {
@@ -49,12 +54,12 @@ class SourceView {
   struct Texel {
     std::uint8_t r = 0, g = 0, b = 0, a = 0;
   };
-  static constexpr int kShadeCell = 4;  // pixels
+  static constexpr int kShadeCell = 2;  // pixels
 
   static float bilinear(const image::Image<std::uint8_t>& plane, float x, float y);
   void place_tiles(const Eigen::Vector3d& gain, double feather_px);
   void clean_colours();
-  void allow(double tolerance_px);
+  void allow(double tolerance_px, image::Image<std::uint8_t>& support) const;
   void measure_shade(const PlateTexture& plate);
 
   const codec::CameraView* view_;
@@ -66,6 +71,7 @@ class SourceView {
   double fold_ = 0;
   bool has_texture_ = false;
   image::Image<std::uint8_t> support_;
+  image::Image<std::uint8_t> loose_support_;
   image::Image<Texel> raw_;    // tiles as sent, gains applied; a fades towards tile borders
   image::Image<Texel> clean_;  // foreground colours without background in them; a = 0 elsewhere
   image::Image<std::uint8_t> shade_;         // factor times 255, one for a cell
