@@ -236,10 +236,14 @@ BoxFootprint SilhouetteMap::footprint(const Eigen::Vector3d& low,
   if (u1 < -0.5 || v1 < -0.5 || u0 >= model.width - 0.5 || v0 >= model.height - 0.5) return box;
   const bool inside = u0 >= -0.5 && v0 >= -0.5 && u1 < model.width - 0.5 && v1 < model.height - 0.5;
   box.place = inside ? BoxPlace::kInside : BoxPlace::kPartly;
-  box.x0 = std::max(0, static_cast<int>(std::floor(u0)));
-  box.y0 = std::max(0, static_cast<int>(std::floor(v0)));
-  box.x1 = std::min(model.width - 1, static_cast<int>(std::ceil(u1)));
-  box.y1 = std::min(model.height - 1, static_cast<int>(std::ceil(v1)));
+  // Clipped before they become integers: beside a camera they can be huge.
+  const auto clip = [](double pixel, int size) {
+    return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(size - 1)));
+  };
+  box.x0 = clip(std::floor(u0), model.width);
+  box.y0 = clip(std::floor(v0), model.height);
+  box.x1 = clip(std::ceil(u1), model.width);
+  box.y1 = clip(std::ceil(v1), model.height);
   return box;
 }
 
