@@ -185,6 +185,17 @@ TEST(TomlDocument, SyntaxErrorIsNamedWithItsLine) {
   EXPECT_EQ(document.error().where, "unit.toml:2");
 }
 
+TEST(TomlDocument, HostileTextIsRefused) {
+  for (const char* text : {"[", "[[", "[a", "a = [", "a = {", "a = \"", "\xCB\x86",
+                           "a = 1 \xCB\x86", "\xFF", "a = 1e", "a.b.c", "[a]\n[a]\n"}) {
+    const auto document = Document::parse(text, "unit.toml");
+    ASSERT_FALSE(document) << text;
+    EXPECT_EQ(document.error().kind, base::ErrorKind::kConfiguration);
+  }
+  EXPECT_FALSE(Document::parse(std::string(2000, '[') + std::string(2000, ']'), "unit.toml"));
+  EXPECT_FALSE(Document::parse("a = " + std::string(2000, '['), "unit.toml"));
+}
+
 TEST(TomlDocument, DuplicateKeyIsNamedWithItsLine) {
   const auto document = Document::parse("a = 1\na = 2\n", "unit.toml");
   ASSERT_FALSE(document);

@@ -1,0 +1,17 @@
+// timing.csv: any text is read or refused, and what was read is written and read again the same.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "shared/recording/timing_table.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace touchline::recording;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto rows = parse_timing_table(text, "timing.csv");
+  if (!rows) return 0;
+  const auto again = parse_timing_table(timing_table_text(*rows), "written");
+  if (!again || *again != *rows) std::abort();
+  return 0;
+}
