@@ -27,6 +27,7 @@ Luma transpose(image::ImageView<const std::uint16_t> in) {
   return out;
 }
 
+constexpr double kMostWidthShare = 0.3;  // width over length of a chain
 // Least sum of a chain's contrasts, in chains of the least length at the threshold.
 constexpr double kLeastEvidence = 4;
 
@@ -317,8 +318,14 @@ class RowScan {
       return;
     // A chain that hardly stands out of the turf must be the longer.
     double contrast = 0;
-    for (const RidgePoint& point : kept) contrast += point.contrast;
+    double width = 0;
+    for (const RidgePoint& point : kept) {
+      contrast += point.contrast;
+      width += point.width;
+    }
     if (contrast < kLeastEvidence * least_length * threshold_) return;
+    // One that is hardly longer than wide is a sock, a shirt or a ball.
+    if (width > kMostWidthShare * static_cast<double>(kept.size() * kept.size())) return;
     points.insert(points.end(), kept.begin(), kept.end());
     ++chain_count;
   }
