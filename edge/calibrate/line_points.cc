@@ -17,6 +17,7 @@ using pitch::Marking;
 using pitch::MarkingShape;
 
 constexpr double kCoarseStep = 1.0;     // metres between projected nodes of a marking
+constexpr double kLongestRun = 1e5;     // pixels between nodes; beyond, only the ends are looked at
 constexpr double kJunctionSlack = 0.3;  // metres that two markings may miss each other and meet
 constexpr double kClearance = 3.0;      // pixels at 1080 lines between a window and another marking
 
@@ -156,7 +157,7 @@ class WindowPlacer {
       const auto here = look(pitch_, camera_, rotation_, fold_, marking.at(s1));
       if (i > 0 && last && here) {
         const double s0 = length * (i - 1) / pieces;
-        const double run = (here->pixel - last->pixel).norm();
+        const double run = std::min((here->pixel - last->pixel).norm(), kLongestRun);
         // A metre that lies outside at both ends by more than its own length cannot be inside.
         if (in_picture(last->pixel, -run) || in_picture(here->pixel, -run)) {
           if (!have_meets) meets = junctions(pitch_, marking);

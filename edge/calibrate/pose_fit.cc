@@ -17,7 +17,8 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kHypothesisSigmaPx = 0.5;  // of a line point, while hypotheses are drawn
-constexpr int kLeastMarkingPoints = 3;      // for a marking to count as measured
+constexpr double kLongestWay = 0.5;     // radians, and of log f, from the start; farther is astray
+constexpr int kLeastMarkingPoints = 3;  // for a marking to count as measured
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
@@ -283,6 +284,10 @@ class Fitter {
       const PoseVector step = information.ldlt().solve(right);
       if (!step.allFinite()) return false;
       pose += step;
+      if ((pose - start_).head<4>().cwiseAbs().maxCoeff() > kLongestWay) {
+        pose = start_;
+        return false;
+      }
       const bool closed = outlier <= last_outlier;
       outlier = std::max(last_outlier, 0.6 * outlier);
       // A thousandth of a pixel at the edge of the picture.
