@@ -73,10 +73,16 @@ void bound_depths(const geometry::CameraEstimate& estimate, const pitch::PitchMo
   for (geometry::SilhouettePolygon& polygon : partial.polygons) {
     AlignedBox2d pixels;
     for (const Eigen::Vector2f& vertex : polygon.ring) pixels.extend(vertex.cast<double>());
-    std::optional<Span> span = inside(ball, estimate, pixels);
-    if (!span) continue;
-    const double largest_ball_px = estimate.model.fx * kBallDiameter / span->near + 2;
-    if (pixels.sizes().maxCoeff() > largest_ball_px) span = inside(people, estimate, pixels);
+    std::optional<Span> span = inside(people, estimate, pixels);
+    // A ball that looks so large is no farther away than this.
+    const double ball_far =
+        estimate.model.fx * kBallDiameter / std::max(1.0, pixels.sizes().maxCoeff() - 2);
+    const std::optional<Span> flight = inside(ball, estimate, pixels);
+    if (flight && flight->near <= ball_far) {
+      const double far = std::min(flight->far, ball_far);
+      span = span ? Span{std::min(span->near, flight->near), std::max(span->far, far)}
+                  : Span{flight->near, far};
+    }
     if (!span) continue;
     polygon.near_m = static_cast<float>(std::max(kNearest, span->near - kSlack));
     polygon.far_m = static_cast<float>(span->far + kSlack);

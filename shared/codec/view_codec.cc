@@ -88,7 +88,7 @@ base::Result<CameraView> decode(const EncodedView& encoded, const DecodeLimits& 
     if (!status) return base::fail(status.error());
   }
   const geometry::CameraModel& model = view.estimate.model;
-  if (view.matte &&
+  if (view.matte && !view.estimate.lost() &&
       (view.matte->alpha.width() != model.width || view.matte->alpha.height() != model.height)) {
     return base::fail(
         at(view.id, {ErrorKind::kFormat,
