@@ -19,7 +19,8 @@ constexpr int kCandidates = 4;             // positions that are tried on all st
 constexpr double kSizeStep = 0.05;         // metres, for derivatives by the pitch's sizes
 constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
 constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
-constexpr double kLeastFit = 0.78;         // of confirmed and explained, over all solved stills
+constexpr double kLeastStillScore = 0.7;
+constexpr double kLeastFit = 0.78;  // of confirmed and explained, over all solved stills
 
 geometry::HeadPose head_of(const geometry::Mount& mount, const geometry::Rigid3& cam_from_world,
                            double focal_px) {
@@ -59,13 +60,7 @@ class Survey {
   }
 
   base::Result<SurveyResult> run() {
-    if (!start()) {
-      return base::fail(
-          base::ErrorKind::kNumerical, "survey",
-          fmt::format("no position on the {} side explains the lines of any of {} pictures",
-                      name(side_), maps_.size()),
-          "check the stated side and pitch sizes, and that pictures show several pitch lines");
-    }
+    if (!start()) return no_position();
     const std::array<double, 5> tolerances{8, 5, 4, 3, 3};
     const int rounds = std::max(options_.rounds, 2);
     int settled = 0;
@@ -73,12 +68,17 @@ class Survey {
     for (int round = 0; settled < rounds && round < 3 * rounds; ++round) {
       const std::size_t step = std::min(static_cast<std::size_t>(settled), tolerances.size() - 1);
       solution = solve(tolerances[step] * scale_, settled + 1 == rounds);
-      if (!solution.converged) break;
+      if (!solution.converged || problem_.heads.empty()) break;
       iterations_ += solution.iterations;
-      const bool changed = head_ && settled + 1 < rounds && settled > 0 && search_unsolved();
+      bool changed = false;
+      if (head_ && settled + 1 < rounds && settled > 0) {
+        drop_misfits();
+        changed = search_unsolved();
+      }
       if (!changed) ++settled;
     }
-    if (!solution.converged || problem_.heads.empty()) {
+    if (problem_.heads.empty()) return no_position();
+    if (!solution.converged) {
       return base::fail(base::ErrorKind::kNumerical, "survey", "the joint solution broke down",
                         "take stills over a wider range of pan and zoom");
     }
@@ -91,6 +91,14 @@ class Survey {
     double score = 0;
     std::vector<std::pair<int, ColdHypothesis>> members;  // still, its best hypothesis there
   };
+
+  base::Result<SurveyResult> no_position() const {
+    return base::fail(
+        base::ErrorKind::kNumerical, "survey",
+        fmt::format("no position on the {} side explains the lines of {} pictures", name(side_),
+                    maps_.size()),
+        "check the stated side and pitch sizes, and that pictures show several pitch lines");
+  }
 
   // Positions on which the stills' own hypotheses agree, the best first.
   std::vector<Start> consensus() const {
@@ -235,18 +243,23 @@ class Survey {
     problem_ = found;
     result.size_change_m = solution.size_change;
     result.size_sigma_m = solution.size_sigma;
-    bool refused = false;
-    for (int i = 0; i < 2; ++i)
-      refused =
-          refused || (std::abs(solution.size_change(i)) >
-                      std::max(options_.size_tolerance_m, kSizeSigmas * solution.size_sigma(i)));
-    if (!solution.converged || !refused) return {};
+    if (!solution.converged) return {};
+    std::string better;
+    for (int i = 0; i < 2; ++i) {
+      const double change = solution.size_change(i);
+      if (std::abs(change) <=
+          std::max(options_.size_tolerance_m, kSizeSigmas * solution.size_sigma(i)))
+        continue;
+      better += fmt::format("{}a {} of about {:.2f} m", better.empty() ? "" : " and ",
+                            i == 0 ? "length" : "width",
+                            (i == 0 ? pitch_.length_m : pitch_.width_m) + change);
+    }
+    if (better.empty()) return {};
     return base::fail(
         base::ErrorKind::kNumerical, "survey",
-        fmt::format("the lines do not fit the stated pitch of {:.2f} x {:.2f} m; they fit one of "
-                    "about {:.2f} x {:.2f} m",
-                    pitch_.length_m, pitch_.width_m, pitch_.length_m + solution.size_change(0),
-                    pitch_.width_m + solution.size_change(1)),
+        fmt::format("the lines do not fit the stated pitch of {:.2f} x {:.2f} m; they "
+                    "fit {}",
+                    pitch_.length_m, pitch_.width_m, better),
         "measure the pitch and state its sizes");
   }
 
@@ -292,6 +305,18 @@ class Survey {
     }
   }
 
+  // Gives up the poses that the common position does not bear out.
+  void drop_misfits() {
+    for (std::size_t i = stills_.size(); i-- > 0;) {
+      const Pose pose = pose_of(problem_.mount, problem_.heads[i]);
+      const LineMap& map = maps_[static_cast<std::size_t>(stills_[i])];
+      if (score_exact(map, fine_, pitch_, pose, 5 * scale_, 400).score() >= kLeastStillScore)
+        continue;
+      stills_.erase(stills_.begin() + static_cast<std::ptrdiff_t>(i));
+      problem_.heads.erase(problem_.heads.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+
   // Looks for the stills that are not solved yet from the position as it is known now.
   bool search_unsolved() {
     const Initialiser initialiser(pitch_, problem_.mount, options_.initialise);
@@ -324,7 +349,7 @@ class Survey {
       const Pose pose = pose_of(problem_.mount, problem_.heads[i]);
       const PoseScore score = score_exact(maps_[still], fine_, pitch_, pose, 4 * scale_, 1000);
       const double rms = solution.still_rms_px[i];
-      if (score.score() < 0.7 || rms > options_.most_rms_px * scale_) continue;
+      if (score.score() < kLeastStillScore || rms > options_.most_rms_px * scale_) continue;
       confirmed += score.confirmed;
       explained += score.explained;
       geometry::CameraEstimate& estimate = result.stills[still];
