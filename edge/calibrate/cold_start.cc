@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kFurthestVanishingPoint = 60;  // in picture widths
+constexpr double kConvincing = 0.85;            // score that ends the search
+constexpr int kCentreLines = 6;                 // that are tried for the halfway line
+constexpr double kCentreSlope = 0.02;           // sine between a touchline and its hypothesis
 constexpr int kScored = 400;                    // proposals kept for a closer look
 
 // All straight markings that lie on one line of the pitch, along X or along Y.
@@ -92,7 +95,22 @@ class Search {
       for (std::size_t j = i + 1; j < lines_.size(); ++j)
         for (std::size_t k = 0; k < lines_.size(); ++k)
           if (k != i && k != j) try_lines(lines_[i], lines_[j], lines_[k]);
-    return finish();
+    std::vector<ColdHypothesis> found = finish();
+    if (!found.empty() && found.front().score >= kConvincing) return found;
+    // The middle of the pitch shows a touchline, the halfway line and the circle: too few lines,
+    // but the circle tells the scale.
+    proposals_.clear();
+    const std::size_t count = std::min<std::size_t>(lines_.size(), kCentreLines);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < count; ++j)
+        if (i != j) try_centre(lines_[i], lines_[j]);
+    for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
+    std::stable_sort(
+        found.begin(), found.end(),
+        [](const ColdHypothesis& a, const ColdHypothesis& b) { return a.score > b.score; });
+    if (found.size() > static_cast<std::size_t>(options_.kept))
+      found.resize(static_cast<std::size_t>(options_.kept));
+    return found;
   }
 
  private:
@@ -126,6 +144,67 @@ class Search {
         }
         rotation.col(2) = up;
         if (faces_pitch(rotation)) try_rotation(i, j, k, axis, focal, rotation);
+      }
+    }
+  }
+
+  // `halfway` taken for the halfway line and `touch` for a touchline, over all horizons, focal
+  // lengths and heights.
+  void try_centre(const CentredLine& halfway, const CentredLine& touch) {
+    if (std::abs(halfway.line.x()) < 1e-6) return;
+    const Eigen::Vector2d middle = 0.5 * (touch.start + touch.end);
+    const Eigen::Vector2d along = (touch.end - touch.start).normalized();
+    const double width = map_.width;
+    for (double focal = options_.least_focal * width; focal < options_.most_focal * width;
+         focal *= 1.08) {
+      for (double tilt = -4 * kPi / 180; tilt > -40 * kPi / 180; tilt *= 1.06) {
+        const double horizon = focal * std::tan(tilt);
+        const double across = -(halfway.line.y() * horizon + halfway.line.z()) / halfway.line.x();
+        if (between(halfway, {across, horizon})) continue;
+        const Eigen::Vector3d up = Eigen::Vector3d(0, -focal, horizon).normalized();
+        for (const double sign : {1.0, -1.0}) {
+          Eigen::Matrix3d rotation;
+          rotation.col(1) = sign * Eigen::Vector3d(across, horizon, focal).normalized();
+          rotation.col(0) = rotation.col(1).cross(up);
+          rotation.col(2) = up;
+          if (!faces_pitch(rotation)) continue;
+          // Direction in the picture of a line along X through the middle of `touch`.
+          const Eigen::Vector3d& x = rotation.col(0);
+          Eigen::Vector2d seen(x.x() * focal - middle.x() * x.z(),
+                               x.y() * focal - middle.y() * x.z());
+          seen.normalize();
+          if (std::abs(seen.x() * along.y() - seen.y() * along.x()) > kCentreSlope) continue;
+          try_heights(halfway, touch, focal, rotation);
+        }
+      }
+    }
+  }
+
+  void try_heights(const CentredLine& halfway, const CentredLine& touch, double focal,
+                   const Eigen::Matrix3d& rotation) {
+    Eigen::Matrix3d planes;
+    const auto plane = [&](const Eigen::Vector3d& line) -> Eigen::Vector3d {
+      return (rotation.transpose() * Eigen::Vector3d(line.x(), line.y(), line.z() / focal))
+          .normalized();
+    };
+    planes.row(0) = plane(halfway.line);
+    planes.row(1) = plane(touch.line);
+    planes.row(2) = Eigen::RowVector3d(0, 0, 1);
+    if (std::abs(planes.determinant()) < 1e-4) return;
+    const Eigen::Matrix3d inverse = planes.inverse();
+    const PencilLine middle{
+        0, -pitch_.crown_m / 3, {{-0.5 * pitch_.width_m, 0.5 * pitch_.width_m}}};
+    for (const double at : {-0.5 * pitch_.width_m, 0.5 * pitch_.width_m}) {
+      const PencilLine line{at, -pitch_.crown_m, {{-0.5 * pitch_.length_m, 0.5 * pitch_.length_m}}};
+      for (double height = 3; height < 45; height *= 1.07) {
+        const Eigen::Vector3d position =
+            inverse * Eigen::Vector3d(planes(0, 2) * middle.z,
+                                      planes(1, 1) * line.at + planes(1, 2) * line.z, height);
+        if (!plausible(position, side_, pitch_, options_.bounds)) continue;
+        if (!lies_on(halfway, middle, 1, focal, rotation, position) ||
+            !lies_on(touch, line, 0, focal, rotation, position))
+          continue;
+        propose(focal, rotation, position);
       }
     }
   }
