@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -56,7 +57,7 @@ publish::UnitStatus unit_status(const EdgeConfig& config, std::uint32_t epoch,
   for (const StageTime& stage : report.stages) {
     if (stage.frames == 0) continue;
     const double mean_s = stage.seconds / static_cast<double>(stage.frames);
-    status.stages.push_back({stage.stage, mean_s > 0 ? 1 / mean_s : 0, 1e3 * mean_s});
+    status.stages.push_back({stage.stage, 1 / std::max(mean_s, 1e-5), 1e3 * mean_s});
   }
   if (dropped > 0) status.drops["capture-queue"] = dropped;
   if (report.encode_failures > 0) status.drops["encode"] = report.encode_failures;
