@@ -31,7 +31,8 @@ struct LinkOptions {
   int participants_per_peer = 32;
   // Silence after which the other side counts as gone; 500 ms to 60 s.
   std::chrono::milliseconds lease{4000};
-  // Live: a status must come at least this often, else UnitOverdue; 100 ms to 60 s.
+  // Live: a status must come at least this often, else UnitOverdue; the same at units and hub; 100
+  // ms to 60 s.
   std::chrono::milliseconds status_deadline{3000};
   // Live: a frame older than this is not delivered any more; 20 ms to 10 s.
   std::chrono::milliseconds frame_lifespan{1000};
@@ -40,7 +41,7 @@ struct LinkOptions {
   // Live: rate at which one unit's frames and plates leave, in Mbit/s; 1 to 16000. Above what the
   // network carries, delivery collapses.
   int max_mbit_s = 200;
-  // Replay: bytes a unit may have on the way and in the hub's queue; 64 KiB to 256 MiB.
+  // Replay, at the hub: bytes a unit may have on the way and in the hub's queue; 64 KiB to 256 MiB.
   std::size_t credit_bytes = 1u << 20;
   // Size of the UDP socket buffers asked for; the kernel may grant less. 64 KiB to 64 MiB.
   std::uint32_t socket_buffer_bytes = 8u << 20;

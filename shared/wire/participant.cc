@@ -1,8 +1,13 @@
+#include <arpa/inet.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
@@ -79,6 +84,41 @@ void bridge_log() {
     dds::Log::RegisterConsumer(std::make_unique<LogBridge>());
     dds::Log::SetVerbosity(dds::Log::Kind::Error);
   });
+}
+
+// The library would leave out an interface that is not there and be deaf without a word.
+base::Status check_interfaces(const LinkOptions& options) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) {
+    return base::fail(ErrorKind::kIo, "link.interfaces",
+                      "the machine's interfaces cannot be listed");
+  }
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
+  for (const std::string& wanted : options.interfaces) {
+    in_addr address{};
+    inet_pton(AF_INET, wanted.c_str(), &address);
+    bool there = false;
+    bool running = false;
+    for (const ifaddrs* each = list; each != nullptr; each = each->ifa_next) {
+      if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+      sockaddr_in own{};
+      std::memcpy(&own, each->ifa_addr, sizeof(own));
+      if (own.sin_addr.s_addr != address.s_addr) continue;
+      there = true;
+      running = running || (each->ifa_flags & IFF_RUNNING) != 0;
+    }
+    if (!there) {
+      return base::fail(ErrorKind::kConfiguration, "link.interfaces",
+                        fmt::format("{} is no address of this machine", wanted),
+                        "name the address of the interface that faces the units and the hub");
+    }
+    if (!running) {
+      return base::fail(ErrorKind::kUnavailable, "link.interfaces",
+                        fmt::format("the interface of {} has no link", wanted),
+                        "check the cable, and wait for the link before starting");
+    }
+  }
+  return {};
 }
 
 dds::DomainParticipantQos participant_qos(const LinkOptions& options, const std::string& name) {
@@ -225,6 +265,7 @@ UnitKey unit_key(const rtps::InstanceHandle_t& handle) {
 
 base::Result<std::unique_ptr<Participant>> Participant::open(const LinkOptions& options,
                                                              const std::string& name) {
+  if (auto ok = check_interfaces(options); !ok) return base::fail(ok.error());
   bridge_log();
   std::unique_ptr<Participant> self(new Participant(options));
   dds::DomainParticipantFactory* factory = dds::DomainParticipantFactory::get_instance();

@@ -1,6 +1,6 @@
-// An edge unit for the wire's tests and bench: sends plate tiles and frames of known content.
+// An edge unit for the wire's tests: sends plate tiles and frames of known content.
 //   wire_test_unit camera=m1 epoch=1 domain=7 tag=t mode=replay frames=200 bytes=60000 plates=0
-//                  rate=0 idle_ms=0
+//                  rate=0 interface=127.0.0.1 peer=127.0.0.1
 // `rate` in frames a second, 0 = as fast as it goes. Prints one line; ends with 0, or 1 and the
 // error on standard error.
 #include <fmt/format.h>
@@ -62,6 +62,8 @@ int main(int count, char** words) {
       arguments.text("mode", "replay") == "live" ? wire::Mode::kLive : wire::Mode::kReplay;
   options.credit_bytes =
       static_cast<std::size_t>(arguments.number("credit", static_cast<long>(options.credit_bytes)));
+  options.interfaces = {arguments.text("interface", "127.0.0.1")};
+  options.peers = {arguments.text("peer", "127.0.0.1")};
   const std::string camera = arguments.text("camera", "m1");
   const auto epoch = static_cast<std::uint32_t>(arguments.number("epoch", 1));
   const auto bytes = static_cast<std::size_t>(arguments.number("bytes", 60'000));

@@ -220,6 +220,14 @@ TEST_F(WireTest, AUnitUnderAnotherTagFindsNoHub) {
   EXPECT_EQ(sent.error().kind, base::ErrorKind::kUnavailable);
 }
 
+TEST_F(WireTest, AnInterfaceThatIsNotThereIsNamed) {
+  options_.interfaces = {"192.0.2.77"};  // of the block for documentation (RFC 5737)
+  const auto unit = EdgeLink::open(options_, {"m1"}, 1);
+  ASSERT_FALSE(unit);
+  EXPECT_EQ(unit.error().kind, base::ErrorKind::kConfiguration);
+  EXPECT_NE(unit.error().what.find("192.0.2.77"), std::string::npos);
+}
+
 TEST_F(WireTest, CommandsReachTheirUnit) {
   open_hub({"m1", "m2"});
   auto unit = EdgeLink::open(options_, {"m2"}, 1);
