@@ -20,9 +20,10 @@ namespace touchline::plate {
 namespace {
 
 constexpr int kSize = image::kPlateTileSize;
-constexpr int kApron = 4;
+constexpr int kApron = 12;
 constexpr int kWide = kSize + 2 * kApron;
 constexpr int kRejectReach = 3;  // pixels round a person that are not learnt either
+constexpr int kDoubtReach = 12;  // pixels round a person where doubtful colours are not learnt
 constexpr int kFrameBorder = 0;  // pixels at the frame's edge that are not learnt
 constexpr int kFillApron = 64;   // pixels of the neighbouring tiles that turf is interpolated from
 
@@ -54,6 +55,28 @@ base::Status in_bounds(const char* field, T value, T low, T high) {
   if (value >= low && value <= high) return {};
   return base::fail(base::ErrorKind::kConfiguration, field,
                     fmt::format("{} is outside {}..{}", value, low, high), "correct the value");
+}
+
+// 1 within `reach` pixels (a square) of a 1.
+void widen(const std::vector<std::uint8_t>& in, int reach, std::vector<std::uint8_t>& across,
+           std::vector<std::uint8_t>& out) {
+  across = in;
+  for (int y = 0; y < kWide; ++y) {
+    const std::uint8_t* from = &in[static_cast<std::size_t>(y) * kWide];
+    std::uint8_t* to = &across[static_cast<std::size_t>(y) * kWide];
+    for (int k = 1; k <= reach; ++k) {
+      for (int x = 0; x + k < kWide; ++x) to[x] |= from[x + k];
+      for (int x = k; x < kWide; ++x) to[x] |= from[x - k];
+    }
+  }
+  out = across;
+  for (int y = 0; y < kWide; ++y) {
+    std::uint8_t* to = &out[static_cast<std::size_t>(y) * kWide];
+    for (int v = std::max(0, y - reach); v <= std::min(kWide - 1, y + reach); ++v) {
+      const std::uint8_t* from = &across[static_cast<std::size_t>(v) * kWide];
+      for (int x = 0; x < kWide; ++x) to[x] |= from[x];
+    }
+  }
 }
 
 struct TileState {
@@ -98,7 +121,7 @@ struct PlateBuilder::State {
   bool seeds_changed = false;
   TileSamples samples;
   std::vector<std::uint8_t> accepted;  // of `samples`: 1 = may be learnt, with apron
-  std::vector<std::uint8_t> scratch;
+  std::vector<std::uint8_t> foreign, body, near_body, around_body, scratch;
 
   TileState& tile(const image::PlateTileKey& key);
   void drop_oldest();
@@ -151,11 +174,11 @@ void PlateBuilder::State::observe_turf(const image::Frame& frame,
 }
 
 // Marks which samples may be learnt: off the turf all, on it turf and paint that are not close to
-// anything else.
+// anything else, and what may be bare ground where nobody is near.
 void PlateBuilder::State::classify(const TileState& t) {
   const std::size_t area = t.zones.size();
   accepted.assign(area, 0);
-  scratch.assign(area, 0);
+  foreign.assign(area, 0);
   for (std::size_t i = 0; i < area; ++i) {
     if (!samples.inside[i]) continue;
     const std::uint8_t zone = t.zones[i];
@@ -163,43 +186,38 @@ void PlateBuilder::State::classify(const TileState& t) {
       accepted[i] = 1;
       continue;
     }
+    if (!turf.ready()) {
+      foreign[i] = 1;
+      continue;
+    }
     const float y = 0.5f * static_cast<float>(samples.y[i]);
     const float cb = samples.cb[i];
     const float cr = samples.cr[i];
     const bool paint_may_be = zone & (kPaintBand | kPerhapsTurf);
-    const bool ok =
-        turf.ready() && (paint_may_be ? turf.is_painted(y, cb, cr) : turf.is_turf(y, cb, cr));
-    accepted[i] = ok;
-    scratch[i] = ok ? 0 : 1;
+    if (paint_may_be ? turf.is_painted(y, cb, cr) : turf.is_turf(y, cb, cr))
+      accepted[i] = 1;
+    else if (turf.is_doubtful(y, cb, cr))
+      accepted[i] = 2;
+    else
+      foreign[i] = 1;
   }
   // Single pixels are noise; three in a neighbourhood are a person, whose rim is mixed with turf.
-  std::vector<std::uint8_t> body(area, 0);
+  body.assign(area, 0);
   for (int y = 1; y + 1 < kWide; ++y)
     for (int x = 1; x + 1 < kWide; ++x) {
       const auto i = static_cast<std::size_t>(y) * kWide + static_cast<std::size_t>(x);
-      const auto* a = &scratch[i - kWide - 1];
-      const auto* b = &scratch[i - 1];
-      const auto* c = &scratch[i + kWide - 1];
+      const auto* a = &foreign[i - kWide - 1];
+      const auto* b = &foreign[i - 1];
+      const auto* c = &foreign[i + kWide - 1];
       const int sum = a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + c[0] + c[1] + c[2];
       body[i] = sum >= 3 && b[1];
     }
-  std::fill(scratch.begin(), scratch.end(), std::uint8_t{0});
-  for (int y = 0; y < kWide; ++y)
-    for (int x = kRejectReach; x + kRejectReach < kWide; ++x) {
-      const auto i = static_cast<std::size_t>(y) * kWide + static_cast<std::size_t>(x);
-      std::uint8_t any = 0;
-      for (int k = -kRejectReach; k <= kRejectReach; ++k)
-        any |= body[i + static_cast<std::size_t>(k + kRejectReach) - kRejectReach];
-      scratch[i] = any;
-    }
-  for (int y = kRejectReach; y + kRejectReach < kWide; ++y)
-    for (int x = 0; x < kWide; ++x) {
-      const auto i = static_cast<std::size_t>(y) * kWide + static_cast<std::size_t>(x);
-      std::uint8_t any = 0;
-      for (int k = 0; k <= 2 * kRejectReach; ++k)
-        any |= scratch[i + static_cast<std::size_t>(k) * kWide - kRejectReach * kWide];
-      if (any && t.zones[i]) accepted[i] = 0;
-    }
+  widen(body, kRejectReach, scratch, near_body);
+  widen(body, kDoubtReach, scratch, around_body);
+  for (std::size_t i = 0; i < area; ++i) {
+    if (t.zones[i] && (near_body[i] || (accepted[i] == 2 && around_body[i]))) accepted[i] = 0;
+    if (accepted[i]) accepted[i] = 1;
+  }
 }
 
 void PlateBuilder::State::learn(TileState& t, std::vector<std::uint32_t>& layer) {
@@ -272,7 +290,7 @@ void PlateBuilder::State::apply_seeds(image::PlateSnapshot& out) {
       t.seed = stills.look_up(sphere, key);
       for (int y = 0; y < kSize; ++y)
         for (int x = 0; x < kSize; ++x)
-          if (!(t.zones[wide_index(x, y)] & kTurf)) t.seed[tile_index(x, y)] = 0;
+          if (!(t.zones[wide_index(x, y)] & (kTurf | kOccluder))) t.seed[tile_index(x, y)] = 0;
     }
     for (int y = 4; y < kSize; y += 8)
       for (int x = 4; x < kSize; x += 8)
@@ -291,11 +309,14 @@ void PlateBuilder::State::apply_seeds(image::PlateSnapshot& out) {
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
         const std::uint32_t seed = t.seed[tile_index(x, y)];
-        if (!seed || tile.count(x, y)) continue;
+        // A goal that is seldom seen as turf and net has somebody in front of it.
+        const std::uint8_t zone = t.zones[wide_index(x, y)];
+        const bool goal = zone & kOccluder;
+        if (!seed || tile.count(x, y) > (goal ? 1 : 0)) continue;
         const auto colour = fit.apply(seed);
-        const bool paint = t.zones[wide_index(x, y)] & kPaintBand;
-        if (!(paint ? turf.is_painted(colour[0], colour[1], colour[2])
-                    : turf.is_turf(colour[0], colour[1], colour[2])))
+        const bool paint = zone & kPaintBand;
+        if (!goal && !(paint ? turf.is_painted(colour[0], colour[1], colour[2])
+                             : turf.is_turf(colour[0], colour[1], colour[2])))
           continue;
         for (std::size_t c = 0; c < 3; ++c) {
           tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);

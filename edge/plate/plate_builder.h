@@ -22,7 +22,7 @@ struct PlateOptions {
   int update_every = 5;             // after learning, every n-th frame is taken in; 1..1000
   double update_rate = 0.03;        // weight of a new sample in the running mean; 0.001..0.5
   double noise_codes = 3;           // least standard deviation, 10-bit code values; 0.25..50
-  double filled_codes = 24;         // standard deviation where turf was interpolated; 1..200
+  double filled_codes = 12;         // standard deviation where turf was interpolated; 1..200
   double turf_margin_m = 1.0;       // turf rules hold this far beyond the outer lines; 0..20
   double line_tolerance_m = 0.08;   // a painted line may lie this far beside the model; 0..0.5
   double line_tolerance_px = 2.0;   // and this far in plate pixels; 0..10

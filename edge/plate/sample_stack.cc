@@ -82,7 +82,7 @@ void SampleStack::median(const std::vector<std::uint8_t>& prefer, double noise,
           values[c][k][i] = use ? static_cast<std::uint16_t>((s >> shift[c]) & mask[c]) : kNone;
       }
       if (pick) count[i] = good[i];
-      out.count(x, y) = count[i];
+      out.count(x, y) = prefer[row + i] && !pick ? std::min<std::uint8_t>(count[i], 1) : count[i];
     }
     for (std::size_t c = 0; c < 3; ++c) {
       sort_columns(values[c]);

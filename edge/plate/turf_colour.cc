@@ -10,6 +10,8 @@ constexpr std::uint64_t kLeastObservations = 200;
 constexpr double kShareOfPeak = 0.004;    // of the densest bin, below which a colour is not turf
 constexpr float kLeastSaturation = 0.2f;  // of the densest bin's, along its hue
 constexpr float kLeastHueCosine = 0.7f;   // turf lies within 45 degrees of the densest hue
+constexpr float kDoubtfulSaturation = 0.15f;
+constexpr float kDoubtfulHueCosine = 0.6f;
 
 // Sum over the 3x3 neighbourhood, which also closes gaps of a sparse histogram.
 std::vector<std::uint32_t> smoothed(const std::vector<std::uint32_t>& in, int n) {
@@ -84,6 +86,8 @@ bool TurfColour::update() {
       if (along > 0.6f * saturation && along < 1.8f * saturation &&
           std::abs(across) < 0.15f * along + 0.02f)
         table_[static_cast<std::size_t>(y * kBins + x)] |= 1;
+      if (along > kDoubtfulSaturation * saturation && along > kDoubtfulHueCosine * std::hypot(u, v))
+        table_[static_cast<std::size_t>(y * kBins + x)] |= 4;
     }
   // Luma of what passed so far is not kept apart: people are few, so quantiles of all will do.
   const auto quantile = [&](double q) {

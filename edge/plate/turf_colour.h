@@ -33,6 +33,15 @@ class TurfColour {
     return table_[static_cast<std::size_t>(j * kBins + i)] & (luma > paint_luma_ ? 3 : 1);
   }
 
+  // Not turf, yet close enough in hue to be worn or bare ground.
+  bool is_doubtful(float y, float cb, float cr) const {
+    const float luma = y - 64.f;
+    if (luma < least_luma_ || luma > most_luma_) return false;
+    const int i = bin((cb - 512.f) / luma);
+    const int j = bin((cr - 512.f) / luma);
+    return table_[static_cast<std::size_t>(j * kBins + i)] & 4;
+  }
+
   static constexpr int kBins = 128;      // an axis, over -0.8..0.8
   static constexpr float kReach = 0.8f;  // of chroma over luma
 

@@ -201,7 +201,7 @@ std::vector<std::uint8_t> tile_zones(const image::PlateSnapshot& sphere,
     for (int x = 0; x < size; ++x) {
       auto& zone = zones[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) +
                          static_cast<std::size_t>(x)];
-      if (covered[x] && zone) zone = kPerhapsTurf;
+      if (covered[x] && zone) zone = kPerhapsTurf | kOccluder;
     }
   }
   return zones;
