@@ -151,6 +151,7 @@ base::Result<Mp4Writer> Mp4Writer::open(const std::filesystem::path& path, int w
     return base::fail(base::ErrorKind::kArgument, path.string(),
                       "frame rate " + base::to_string(rate) + " cannot be written");
   }
+  av_log_set_level(AV_LOG_QUIET);  // errors come back as results
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   int code = avformat_alloc_output_context2(&impl->container, nullptr, "mp4", path.c_str());
@@ -176,7 +177,6 @@ base::Result<Mp4Writer> Mp4Writer::open(const std::filesystem::path& path, int w
   e.thread_count = options.threads;
   av_opt_set(e.priv_data, "preset", options.preset.c_str(), 0);
   av_opt_set(e.priv_data, "crf", std::to_string(options.crf).c_str(), 0);
-  av_opt_set(e.priv_data, "x264-params", "log-level=none", 0);
   if ((impl->container->oformat->flags & AVFMT_GLOBALHEADER) != 0) {
     e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   }

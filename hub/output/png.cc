@@ -2,6 +2,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hub/output/file_internal.h"
@@ -68,6 +69,10 @@ base::Status write_png(const std::filesystem::path& path, const image::Image<std
 }
 
 base::Result<image::Image<image::Rgb8>> read_png_rgb(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return base::fail(base::ErrorKind::kNotFound, path.string(), "does not exist");
+  }
   cv::Mat picture;
   try {
     picture = cv::imread(path.string(), cv::IMREAD_COLOR);
@@ -75,10 +80,7 @@ base::Result<image::Image<image::Rgb8>> read_png_rgb(const std::filesystem::path
     return base::fail(base::ErrorKind::kFormat, path.string(), error.what());
   }
   if (picture.empty()) {
-    std::error_code ignored;
-    const bool there = std::filesystem::exists(path, ignored);
-    return base::fail(there ? base::ErrorKind::kFormat : base::ErrorKind::kNotFound, path.string(),
-                      there ? "is no picture that can be read" : "does not exist");
+    return base::fail(base::ErrorKind::kFormat, path.string(), "is no picture that can be read");
   }
   image::Image<image::Rgb8> out(picture.cols, picture.rows);
   for (int y = 0; y < out.height(); ++y) {
