@@ -11,7 +11,8 @@ constexpr double kSlack = 1.5;       // pixels of turf that a template sees beyo
 constexpr double kTurfClear = 0.85;  // share of turf for a window to count as in plain sight
 constexpr double kLeastGreen = 12;   // code values of chroma
 constexpr double kMostRed = 0.07;    // Cr - 512 over luma
-constexpr double kTypicalPaint = 200;  // code values of worn paint over turf
+constexpr double kSamplingSigma = 0.25;  // pixels, for paint of no width
+constexpr double kTypicalPaint = 200;    // code values of worn paint over turf
 
 // Unchecked bilinear sample; the position must lie at least half a pixel inside.
 inline float bilinear(const image::ImageView<const std::uint16_t>& view, double x, double y) {
@@ -216,8 +217,11 @@ bool ProfileReader::measure(LinePoint& window) {
     if (!paint_on_turf(window, candidate.offset_px)) continue;
     candidate.contrast = static_cast<double>(peak);
     candidate.match = quality;
-    candidate.sigma_px =
-        std::max(options_.sigma_floor_px, sigma / (candidate.contrast * std::sqrt(slope_energy_)));
+    // Paint thinner than a pixel falls on one row or the next: a sharp picture does not say where
+    // in it.
+    const double sampling = kSamplingSigma * std::max(0.0, 1 - window.width_px);
+    candidate.sigma_px = std::hypot(options_.sigma_floor_px, sampling,
+                                    sigma / (candidate.contrast * std::sqrt(slope_energy_)));
     const auto strength = [](const LineCandidate& c) { return c.contrast * c.match; };
     int at = window.count;
     while (at > 0 &&
