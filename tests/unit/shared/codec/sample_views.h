@@ -74,8 +74,9 @@ inline geometry::Partial partial(std::uint64_t seed) {
     geometry::SilhouettePolygon polygon;
     const int n = 3 + numbers.below(20);
     for (int k = 0; k < n; ++k) {
-      polygon.ring.emplace_back(static_cast<float>(numbers.below(20000)) / 11 - 3,
-                                static_cast<float>(numbers.below(12000)) / 11 - 3);
+      // Braces: the numbers are drawn from left to right by every compiler.
+      polygon.ring.push_back(Eigen::Vector2f{static_cast<float>(numbers.below(20000)) / 11 - 3,
+                                             static_cast<float>(numbers.below(12000)) / 11 - 3});
     }
     polygon.hole = i == 2;
     polygon.near_m = static_cast<float>(numbers.below(5000)) / 77;
