@@ -42,7 +42,7 @@ struct InitialiseReport {
   double confirmed = 0;  // of the best
   double explained = 0;
   double rms_px = 0;
-  double sigma_px = 0;  // of the picture\'s corners, by the lines alone
+  double sigma_px = 0;  // of the picture's corners, by the lines alone
   std::string
       stopped_because;  // "accepted", "no turf", "no lines", "not confirmed", "ambiguous"...
 };

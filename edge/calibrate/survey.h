@@ -34,10 +34,16 @@ struct SurveyOptions {
   int lens_knots = 4;  // over the log focal range of the stills
   double point_sigma_px = 0.25;  // of a measured line point
   double most_rms_px = 1.2;      // beyond this the lines do not fit the stated pitch, at 1080 lines
-  // A pitch whose lines say that it is this much longer or wider than stated is refused, where they
-  // say it surely.
+  // Which of the pitch model's sizes were measured. The others start from the model's and are
+  // found, where the pictures tell them to 0.05 m.
+  bool length_stated = true;
+  bool width_stated = true;
+  bool crown_stated = true;
+  // A pitch whose lines say that a stated size is wrong by more than this is refused,
+  // where they say it surely; metres.
   double size_tolerance_m = 0.12;
-  int rounds = 4;  // measure and solve, alternating
+  double crown_sigma_m = 0.1;  // of a stated crown
+  int rounds = 4;              // measure and solve, alternating
 
   base::Status validate() const;
 };
@@ -50,10 +56,15 @@ struct SurveyResult {
   int points = 0;                                // line points of the last solution
   int iterations = 0;
   std::vector<double> still_rms_px;  // one a still; 0 where not solved
-  // How much longer and wider than stated the lines would have the pitch, with standard deviations;
-  // a large one means that the pictures do not tell.
-  Eigen::Vector2d size_change_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d size_sigma_m = Eigen::Vector2d::Zero();
+  // Of the pitch that the solution stands on: as given, but for sizes that were not stated and
+  // could be found.
+  double length_m = 0;
+  double width_m = 0;
+  double crown_m = 0;
+  // What the lines would add to length, width and crown, with standard deviations; a large one
+  // means that the pictures do not tell.
+  Eigen::Vector3d size_change_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size_sigma_m = Eigen::Vector3d::Zero();
   std::string stopped_because;
 };
 

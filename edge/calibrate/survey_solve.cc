@@ -12,12 +12,11 @@ namespace {
 
 constexpr int kMount = 7;            // position, level x, level y, principal point
 constexpr double kHeldLevel = 1e-5;  // radians; levelling that is not looked for
-constexpr double kSizeSigma = 5;     // metres that a stated size may be wrong by
 constexpr int kHead = 4;             // pan, tilt, roll, log focal
 // Lens terms enter as their shift at this normalised radius' corner: radius of the picture corner
 // over the focal length.
 constexpr int kShifts = 2;
-constexpr int kSizes = 2;  // added to the pitch's length and width, metres
+constexpr int kSizes = 3;  // added to the pitch's length, width and crown, metres
 
 template <typename T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
@@ -53,7 +52,7 @@ Matrix3<T> head_from_world(const T& level_x, const T& level_y) {
 struct LineDistance {
   Eigen::Vector2d pixel;
   Eigen::Vector3d point;
-  Eigen::Matrix<double, 3, 2> by_size;
+  Eigen::Matrix3d by_size;
   Eigen::Vector2d normal;  // in the picture, of the projected marking
   double corner_px;
   double log_low, log_high;  // of the knots; equal where only one is used
@@ -64,7 +63,8 @@ struct LineDistance {
                   T* residual) const {
     Vector3<T> world;
     for (int i = 0; i < 3; ++i)
-      world(i) = point(i) + by_size(i, 0) * sizes[0] + by_size(i, 1) * sizes[1] - mount[i];
+      world(i) = point(i) + by_size(i, 0) * sizes[0] + by_size(i, 1) * sizes[1] +
+                 by_size(i, 2) * sizes[2] - mount[i];
     const Vector3<T> p =
         cam_from_head(head[0], head[1], head[2]) * (head_from_world(mount[3], mount[4]) * world);
     if (p.z() < T(0.1)) return false;
@@ -132,7 +132,7 @@ class Solver {
     add_points();
     add_priors();
     ceres::Solver::Options settings;
-    settings.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    settings.linear_solver_type = ceres::DENSE_QR;
     settings.num_threads = 1;
     settings.max_num_iterations = 30;
     settings.function_tolerance = 1e-8;
@@ -143,7 +143,7 @@ class Solver {
     solution.converged = summary.IsSolutionUsable();
     solution.iterations = static_cast<int>(summary.iterations.size());
     store();
-    solution.size_change = {sizes_[0], sizes_[1]};
+    solution.size_change = {sizes_[0], sizes_[1], sizes_[2]};
     residuals(solution);
     if (options_.covariance && solution.converged) covariance(solution);
     return solution;
@@ -225,8 +225,8 @@ class Solver {
     prior<kMount>(mount_.data(), 5, 0.5 * (mount.width - 1), options_.principal_prior_px);
     prior<kMount>(mount_.data(), 6, 0.5 * (mount.height - 1), options_.principal_prior_px);
     ceres_.AddParameterBlock(sizes_.data(), kSizes);
-    if (options_.sizes) {
-      for (int i = 0; i < kSizes; ++i) prior<kSizes>(sizes_.data(), i, 0, kSizeSigma);
+    if (options_.size_sigma.minCoeff() > 0) {
+      for (int i = 0; i < kSizes; ++i) prior<kSizes>(sizes_.data(), i, 0, options_.size_sigma(i));
     } else {
       ceres_.SetParameterBlockConstant(sizes_.data());
     }
@@ -293,12 +293,12 @@ class Solver {
     ceres::Covariance estimate(settings);
     std::vector<std::pair<const double*, const double*>> blocks{{mount_.data(), mount_.data()}};
     for (const auto& head : heads_) blocks.emplace_back(head.data(), head.data());
-    if (options_.sizes) blocks.emplace_back(sizes_.data(), sizes_.data());
+    if (options_.size_sigma.minCoeff() > 0) blocks.emplace_back(sizes_.data(), sizes_.data());
     if (!estimate.Compute(blocks, &ceres_)) return;
     Eigen::Matrix<double, kMount, kMount, Eigen::RowMajor> mount;
     estimate.GetCovarianceBlock(mount_.data(), mount_.data(), mount.data());
     problem_.mount.covariance = mount;
-    if (options_.sizes) {
+    if (options_.size_sigma.minCoeff() > 0) {
       Eigen::Matrix<double, kSizes, kSizes, Eigen::RowMajor> sizes;
       estimate.GetCovarianceBlock(sizes_.data(), sizes_.data(), sizes.data());
       solution.size_sigma = sizes.diagonal().cwiseMax(0).cwiseSqrt();

@@ -14,8 +14,9 @@ struct SurveyPoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();    // of the marking, nearest to it
   Eigen::Vector3d tangent_in_world = Eigen::Vector3d::Zero();  // unit
-  // How its marking's place changes with the pitch's length and width, metres a metre (columns).
-  Eigen::Matrix<double, 3, 2> by_size = Eigen::Matrix<double, 3, 2>::Zero();
+  // How its marking's place changes with the pitch's length, width and crown, metres a metre
+  // (columns).
+  Eigen::Matrix3d by_size = Eigen::Matrix3d::Zero();
 };
 
 struct SurveyProblem {
@@ -35,7 +36,8 @@ struct SurveySolveOptions {
   double correlated_points = 4;  // points of a line that err together
   double loss_px = 1;            // scale of the robust loss
   bool covariance = false;
-  bool sizes = false;  // also find how much longer and wider than stated the pitch is
+  // Sigmas of what is added to the pitch's length, width and crown, metres; 0, 0, 0 = held.
+  Eigen::Vector3d size_sigma = Eigen::Vector3d::Zero();
 };
 
 struct SurveySolution {
@@ -43,8 +45,8 @@ struct SurveySolution {
   int iterations = 0;
   double rms_px = 0;                                      // of points within three loss scales
   std::vector<double> still_rms_px;                       // the same, one a head pose
-  Eigen::Vector2d size_change = Eigen::Vector2d::Zero();  // length, width; metres
-  Eigen::Vector2d size_sigma = Eigen::Vector2d::Zero();
+  Eigen::Vector3d size_change = Eigen::Vector3d::Zero();  // length, width, crown; metres
+  Eigen::Vector3d size_sigma = Eigen::Vector3d::Zero();
   std::vector<Eigen::Matrix4d> head_covariance;  // pan, tilt, roll, log focal
 };
 

@@ -79,6 +79,21 @@ TEST(Survey, AWrongPitchSizeIsAnError) {
   EXPECT_FALSE(result.error().cure.empty());
 }
 
+TEST(Survey, FindsSizesThatWereNotStated) {
+  const pitch::PitchModel assumed =
+      *pitch::make_pitch(pitch::Sport::kSoccer, {104.6, 67.7, {}, 0.2, {}});
+  SurveyOptions options;
+  options.length_stated = false;
+  options.width_stated = false;
+  options.crown_stated = false;
+  const auto result = survey(stills(), assumed, Side::kMain, options);
+  ASSERT_TRUE(result) << base::to_string(result.error());
+  EXPECT_NEAR(result->length_m, 105, 0.15);
+  EXPECT_NEAR(result->width_m, 68, 0.15);
+  EXPECT_NEAR(result->crown_m, 0.3, 0.05);
+  EXPECT_LT((result->mount.position_in_world - test_mount().position_in_world).norm(), 0.15);
+}
+
 TEST(Survey, IsDeterministic) {
   const auto a = survey(stills(), soccer(), Side::kMain, {});
   const auto b = survey(stills(), soccer(), Side::kMain, {});

@@ -1,0 +1,455 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "edge/calibrate/pose_score_internal.h"
+#include "edge/calibrate/survey_run_internal.h"
+#include "edge/calibrate/survey_solve_internal.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr int kPointsAStill = 320;
+constexpr double kConsensusRadius = 0.06;  // of positions that agree, share of the distance
+constexpr int kCandidates = 4;             // positions that are tried on all stills
+constexpr double kSizeStep = 0.05;         // metres, for derivatives by the pitch's sizes
+constexpr double kSizePrior = 5;           // metres that a length or width may be wrong by
+constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
+constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
+constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
+constexpr double kLeastStillScore = 0.7;
+constexpr double kLeastFit = 0.78;      // of confirmed and explained, over all solved stills
+constexpr double kFoundSize = 0.05;     // metres: a size this sure is found
+constexpr double kSizeSettled = 0.004;  // metres: a smaller change is not worth another run
+
+geometry::HeadPose head_of(const geometry::Mount& mount, const geometry::Rigid3& cam_from_world,
+                           double focal_px) {
+  const Eigen::Vector3d angles =
+      geometry::pan_tilt_roll(cam_from_world.rotation * geometry::world_from_head(mount));
+  return {angles.x(), angles.y(), angles.z(), focal_px};
+}
+
+Pose pose_of(const geometry::Mount& mount, const geometry::HeadPose& head) {
+  const geometry::Rigid3 cam_from_world = geometry::cam_from_world(mount, head);
+  Pose pose;
+  pose.model = geometry::camera_model(mount, head.focal_px);
+  pose.rotation = cam_from_world.rotation.toRotationMatrix();
+  pose.position = geometry::origin(cam_from_world);
+  return pose;
+}
+
+// The stills of one camera while its mount is found.
+class Survey {
+ public:
+  Survey(const std::vector<LineMap>& maps, const pitch::PitchModel& pitch, Side side,
+         const SurveyOptions& options, bool head)
+      : maps_(maps),
+        pitch_(pitch),
+        side_(side),
+        options_(options),
+        head_(head),
+        fine_(sample_markings(pitch, 0.3)) {
+    scale_ = std::max(maps_.front().height / 1080.0, 0.4);
+    for (std::size_t size = 0; size < 3; ++size) {
+      pitch::PitchSizes sizes{pitch.length_m, pitch.width_m, std::nullopt, pitch.crown_m,
+                              pitch.line_m};
+      if (pitch.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = pitch.in_goal_m;
+      (size == 0 ? *sizes.length_m : size == 1 ? *sizes.width_m : *sizes.crown_m) += kSizeStep;
+      if (auto larger = pitch::make_pitch(pitch.sport, sizes)) larger_[size] = std::move(*larger);
+    }
+  }
+
+  base::Result<SurveyResult> run() {
+    if (!start()) return no_position();
+    const std::array<double, 5> tolerances{8, 5, 4, 3, 3};
+    const int rounds = std::max(options_.rounds, 2);
+    int settled = 0;
+    SurveySolution solution;
+    for (int round = 0; settled < rounds && round < 3 * rounds; ++round) {
+      const std::size_t step = std::min(static_cast<std::size_t>(settled), tolerances.size() - 1);
+      solution = solve(tolerances[step] * scale_, settled + 1 == rounds);
+      if (!solution.converged || problem_.heads.empty()) break;
+      iterations_ += solution.iterations;
+      bool changed = false;
+      if (head_ && settled + 1 < rounds && settled > 0) {
+        drop_misfits();
+        changed = search_unsolved();
+      }
+      if (!changed) ++settled;
+    }
+    if (problem_.heads.empty()) return no_position();
+    if (!solution.converged) {
+      return base::fail(base::ErrorKind::kNumerical, "survey", "the joint solution broke down",
+                        "take stills over a wider range of pan and zoom");
+    }
+    return result(solution);
+  }
+
+ private:
+  struct Start {
+    Eigen::Vector3d position;
+    double score = 0;
+    std::vector<std::pair<int, ColdHypothesis>> members;  // still, its best hypothesis there
+  };
+
+  base::Result<SurveyResult> no_position() const {
+    return base::fail(
+        base::ErrorKind::kNumerical, "survey",
+        fmt::format("no position on the {} side explains the lines of {} pictures", name(side_),
+                    maps_.size()),
+        "check the stated side and pitch sizes, and that pictures show several pitch lines");
+  }
+
+  // Positions on which the stills' own hypotheses agree, the best first.
+  std::vector<Start> consensus() const {
+    std::vector<std::vector<ColdHypothesis>> hypotheses;
+    for (const LineMap& map : maps_)
+      hypotheses.push_back(cold_start(map, pitch_, side_, options_.cold_start));
+    std::vector<Start> starts;
+    for (const auto& of_still : hypotheses) {
+      for (const ColdHypothesis& seed : of_still) {
+        Start start;
+        start.position = geometry::origin(seed.cam_from_world);
+        const double reach = kConsensusRadius * start.position.norm();
+        for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+          const ColdHypothesis* best = nullptr;
+          for (const ColdHypothesis& other : hypotheses[i]) {
+            if ((geometry::origin(other.cam_from_world) - start.position).norm() > reach) continue;
+            if (best == nullptr || other.score > best->score) best = &other;
+          }
+          if (best == nullptr) continue;
+          start.members.emplace_back(static_cast<int>(i), *best);
+          // A weak hypothesis is found in almost any still: only a good one speaks for a place.
+          start.score += std::max(0.0, best->score - 0.5);
+        }
+        starts.push_back(start);
+      }
+    }
+    std::stable_sort(starts.begin(), starts.end(),
+                     [](const Start& a, const Start& b) { return a.score > b.score; });
+    std::vector<Start> distinct;
+    for (const Start& start : starts) {
+      if (static_cast<int>(distinct.size()) >= kCandidates) break;
+      if (std::none_of(distinct.begin(), distinct.end(), [&](const Start& other) {
+            return (other.position - start.position).norm() <
+                   kConsensusRadius * start.position.norm();
+          }))
+        distinct.push_back(start);
+    }
+    return distinct;
+  }
+
+  geometry::Mount empty_mount() const {
+    geometry::Mount mount;
+    mount.width = maps_.front().width;
+    mount.height = maps_.front().height;
+    mount.cx = 0.5 * (mount.width - 1);
+    mount.cy = 0.5 * (mount.height - 1);
+    return mount;
+  }
+
+  // The stills that a start explains, each with a head pose.
+  bool start() {
+    const std::vector<Start> starts = consensus();
+    if (starts.empty()) return false;
+    double best_total = 0;
+    for (const Start& candidate : starts) {
+      geometry::Mount mount = empty_mount();
+      // The middle of the members' positions, coordinate by coordinate.
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> values;
+        for (const auto& member : candidate.members)
+          if (member.second.score > 0.8 || candidate.members.size() < 3)
+            values.push_back(geometry::origin(member.second.cam_from_world)[axis]);
+        if (values.empty()) values.push_back(candidate.position[axis]);
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        mount.position_in_world[axis] = *middle;
+      }
+      SurveyProblem problem;
+      problem.mount = mount;
+      std::vector<int> stills;
+      double total = 0;
+      for (const auto& [still, hypothesis] : candidate.members) {
+        if (hypothesis.score < 0.75) continue;
+        problem.heads.push_back(head_of(mount, hypothesis.cam_from_world, hypothesis.model.fx));
+        stills.push_back(still);
+        total += hypothesis.score;
+      }
+      if (problem.heads.empty() || total <= best_total) continue;
+      if (!head_) {  // one pose for all pictures
+        const auto best = std::max_element(
+            candidate.members.begin(), candidate.members.end(),
+            [](const auto& a, const auto& b) { return a.second.score < b.second.score; });
+        problem.mount.position_in_world = geometry::origin(best->second.cam_from_world);
+        problem.heads.assign(
+            1, head_of(problem.mount, best->second.cam_from_world, best->second.model.fx));
+        stills.assign(1, best->first);
+      }
+      best_total = total;
+      problem_ = std::move(problem);
+      stills_ = std::move(stills);
+    }
+    if (problem_.heads.empty()) return false;
+    place_knots();
+    return true;
+  }
+
+  // Lens knots evenly over the log focal lengths of the solved stills, keeping the lens so far.
+  void place_knots() {
+    double least = 1e12, most = 0;
+    for (const geometry::HeadPose& head : problem_.heads) {
+      least = std::min(least, head.focal_px);
+      most = std::max(most, head.focal_px);
+    }
+    const int count = head_ && most > 1.15 * least ? options_.lens_knots : 1;
+    geometry::Mount& mount = problem_.mount;
+    std::vector<geometry::LensKnot> knots;
+    for (int i = 0; i < count; ++i) {
+      const double focal =
+          count == 1 ? std::sqrt(least * most)
+                     : least * std::pow(most / least, static_cast<double>(i) / (count - 1));
+      knots.push_back(geometry::lens_at(mount, focal));
+      knots.back().focal_px = focal;
+    }
+    mount.lens = std::move(knots);
+  }
+
+  SurveySolution solve(double tolerance_px, bool last) {
+    place_knots();
+    match_all(tolerance_px);
+    return solve_survey(solve_options(tolerance_px, last), problem_);
+  }
+
+  void match_all(double tolerance_px) {
+    problem_.points.clear();
+    if (head_) {
+      for (std::size_t i = 0; i < stills_.size(); ++i)
+        match(i, maps_[static_cast<std::size_t>(stills_[i])], tolerance_px);
+    } else {
+      for (const LineMap& map : maps_) match(0, map, tolerance_px);
+    }
+  }
+
+  // What the lines say of the pitch's sizes: wider matches, so that a line in the wrong place is
+  // seen, and the sizes free.
+  base::Status check_sizes(SurveyResult& result) {
+    const SurveyProblem found = problem_;
+    const double tolerance = 8 * scale_;
+    match_all(tolerance);
+    SurveySolveOptions options = solve_options(tolerance, true);
+    options.size_sigma = {kSizePrior, kSizePrior,
+                          options_.crown_stated ? options_.crown_sigma_m : kCrownPrior};
+    const SurveySolution solution = solve_survey(options, problem_);
+    problem_ = found;
+    result.size_change_m = solution.size_change;
+    result.size_sigma_m = solution.size_sigma;
+    if (!solution.converged) return {};
+    struct Size {
+      const char* name;
+      bool stated;
+      double value;
+      double tolerance;
+    };
+    const std::array<Size, 3> sizes{
+        {{"length", options_.length_stated, pitch_.length_m, options_.size_tolerance_m},
+         {"width", options_.width_stated, pitch_.width_m, options_.size_tolerance_m},
+         {"crown", options_.crown_stated, pitch_.crown_m, options_.size_tolerance_m}}};
+    std::string better;
+    for (int i = 0; i < 3; ++i) {
+      const Size& size = sizes[static_cast<std::size_t>(i)];
+      const double change = solution.size_change(i);
+      if (!size.stated ||
+          std::abs(change) <= std::max(size.tolerance, kSizeSigmas * solution.size_sigma(i)))
+        continue;
+      better += fmt::format("{}a {} of about {:.2f} m", better.empty() ? "" : " and ", size.name,
+                            size.value + change);
+    }
+    if (better.empty()) return {};
+    return base::fail(
+        base::ErrorKind::kNumerical, "survey",
+        fmt::format(
+            "the lines do not fit the stated pitch of {:.2f} x {:.2f} m with a crown of {:.2f} m; "
+            "they fit {}",
+            pitch_.length_m, pitch_.width_m, pitch_.crown_m, better),
+        "measure the pitch and state its sizes");
+  }
+
+  SurveySolveOptions solve_options(double tolerance_px, bool last) const {
+    SurveySolveOptions options;
+    options.head = head_;
+    options.principal_prior_px = options_.principal_prior_px;
+    options.level_sigma = options_.level_prior_deg * kDegree;
+    options.roll_sigma =
+        (head_ ? options_.roll_prior_deg : options_.fixed_roll_prior_deg) * kDegree;
+    options.shift_sigma = options_.shift_prior;
+    options.shift_step = 0.5 * options_.shift_prior;
+    options.point_sigma_px = options_.point_sigma_px * scale_;
+    options.loss_px = std::max(0.5 * scale_, tolerance_px / 4);
+    options.covariance = last;
+    return options;
+  }
+
+  void match(std::size_t head, const LineMap& map, double tolerance_px) {
+    const Pose pose = pose_of(problem_.mount, problem_.heads[head]);
+    const std::size_t stride =
+        std::max<std::size_t>(1, map.points.size() / std::size_t{kPointsAStill});
+    for (std::size_t i = stride / 2; i < map.points.size(); i += stride) {
+      const RidgePoint& ridge = map.points[i];
+      const PointOnMarking on = match_point(pitch_, pose, ridge, tolerance_px);
+      if (on.marking < 0) continue;
+      const pitch::Marking& marking = pitch_.markings[static_cast<std::size_t>(on.marking)];
+      const Eigen::Vector2d tangent = marking.tangent(on.distance);
+      SurveyPoint point;
+      point.still = static_cast<int>(head);
+      point.pixel = ridge.position.cast<double>();
+      point.point_in_world = pitch_.on_turf(marking.at(on.distance));
+      point.tangent_in_world = {tangent.x(), tangent.y(), 0};
+      for (int size = 0; size < 3; ++size) {
+        const auto& larger = larger_[static_cast<std::size_t>(size)];
+        if (larger.markings.size() != pitch_.markings.size()) continue;
+        const pitch::Marking& moved = larger.markings[static_cast<std::size_t>(on.marking)];
+        const double share = on.distance / std::max(marking.length(), 1e-9);
+        point.by_size.col(size) =
+            (larger.on_turf(moved.at(share * moved.length())) - point.point_in_world) / kSizeStep;
+      }
+      problem_.points.push_back(point);
+    }
+  }
+
+  // Gives up the poses that the common position does not bear out.
+  void drop_misfits() {
+    for (std::size_t i = stills_.size(); i-- > 0;) {
+      const Pose pose = pose_of(problem_.mount, problem_.heads[i]);
+      const LineMap& map = maps_[static_cast<std::size_t>(stills_[i])];
+      if (score_exact(map, fine_, pitch_, pose, 5 * scale_, 400).score() >= kLeastStillScore)
+        continue;
+      stills_.erase(stills_.begin() + static_cast<std::ptrdiff_t>(i));
+      problem_.heads.erase(problem_.heads.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+
+  // Looks for the stills that are not solved yet from the position as it is known now.
+  bool search_unsolved() {
+    const Initialiser initialiser(pitch_, problem_.mount, options_.initialise);
+    bool found = false;
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      const int still = static_cast<int>(i);
+      if (std::find(stills_.begin(), stills_.end(), still) != stills_.end()) continue;
+      const auto estimate = initialiser.find(maps_[i]);
+      if (!estimate) continue;
+      problem_.heads.push_back(
+          head_of(problem_.mount, estimate->cam_from_world, estimate->model.fx));
+      stills_.push_back(still);
+      found = true;
+    }
+    return found;
+  }
+
+  base::Result<SurveyResult> result(const SurveySolution& solution) {
+    SurveyResult result;
+    result.mount = problem_.mount;
+    result.rms_px = solution.rms_px;
+    result.points = static_cast<int>(problem_.points.size());
+    result.iterations = iterations_;
+    result.stills.resize(maps_.size());
+    result.still_rms_px.assign(maps_.size(), 0);
+    double confirmed = 0;
+    double explained = 0;
+    for (std::size_t i = 0; i < stills_.size(); ++i) {
+      const auto still = static_cast<std::size_t>(stills_[i]);
+      const Pose pose = pose_of(problem_.mount, problem_.heads[i]);
+      const PoseScore score = score_exact(maps_[still], fine_, pitch_, pose, 4 * scale_, 1000);
+      const double rms = solution.still_rms_px[i];
+      if (score.score() < kLeastStillScore || rms > options_.most_rms_px * scale_) continue;
+      confirmed += score.confirmed;
+      explained += score.explained;
+      geometry::CameraEstimate& estimate = result.stills[still];
+      estimate.model = pose.model;
+      estimate.cam_from_world = geometry::cam_from_world(problem_.mount, problem_.heads[i]);
+      estimate.evidence = geometry::Evidence::kLines;
+      estimate.rms_px = rms;
+      if (i < solution.head_covariance.size())
+        estimate.covariance.topLeftCorner<4, 4>() = solution.head_covariance[i];
+      estimate.covariance.block<3, 3>(6, 6) = result.mount.covariance.topLeftCorner<3, 3>();
+      result.still_rms_px[still] = rms;
+      ++result.solved;
+    }
+    const int needed =
+        head_ ? std::min<int>(options_.least_stills, static_cast<int>(maps_.size())) : 1;
+    if (result.solved < needed) {
+      return base::fail(
+          base::ErrorKind::kNumerical, "survey",
+          fmt::format("{} of {} pictures agree on a position, {} are needed", result.solved,
+                      maps_.size(), needed),
+          "check the stated side and pitch sizes, and that pictures show several pitch lines");
+    }
+    confirmed /= result.solved;
+    explained /= result.solved;
+    const geometry::Mount& mount = result.mount;
+    const double off_centre = std::max(std::abs(mount.cx - 0.5 * (mount.width - 1)),
+                                       std::abs(mount.cy - 0.5 * (mount.height - 1)));
+    const double off_level = std::max(std::abs(mount.level_x), std::abs(mount.level_y));
+    if (auto status = check_sizes(result); !status) return base::fail(status.error());
+    result.length_m = pitch_.length_m;
+    result.width_m = pitch_.width_m;
+    result.crown_m = pitch_.crown_m;
+    result.stopped_because = "sizes found";
+    if (sizes_to_find(options_, result).any()) return result;
+    if (result.rms_px > options_.most_rms_px * scale_ || confirmed < kLeastFit ||
+        explained < kLeastFit) {
+      return base::fail(
+          base::ErrorKind::kNumerical, "survey",
+          fmt::format(
+              "the lines do not fit a pitch of {:.2f} x {:.2f} m: rms {:.2f} px, {:.0f} % of "
+              "the expected lines seen, {:.0f} % of the seen lines expected",
+              pitch_.length_m, pitch_.width_m, result.rms_px, 100 * confirmed, 100 * explained),
+          "measure the pitch and state its sizes");
+    }
+    if (off_centre > kMostPriorSigmas * options_.principal_prior_px ||
+        (head_ && off_level > kMostPriorSigmas * options_.level_prior_deg * kDegree)) {
+      return base::fail(
+          base::ErrorKind::kNumerical, "survey",
+          fmt::format(
+              "the lines fit a pitch of {:.2f} x {:.2f} m only from a head {:.2f} degrees out "
+              "of level with its picture's middle {:.0f} px off",
+              pitch_.length_m, pitch_.width_m, off_level / kDegree, off_centre),
+          "check the pitch sizes and the stated side; state a wider prior if the head is so");
+    }
+    result.stopped_because = "converged";
+    return result;
+  }
+
+  const std::vector<LineMap>& maps_;
+  const pitch::PitchModel& pitch_;
+  std::array<pitch::PitchModel, 3> larger_;  // by kSizeStep in length, in width, in crown
+  Side side_;
+  const SurveyOptions& options_;
+  bool head_;
+  MarkingSamples fine_;
+  double scale_ = 1;
+  SurveyProblem problem_;
+  std::vector<int> stills_;  // of problem_.heads
+  int iterations_ = 0;
+};
+
+}  // namespace
+
+Eigen::Array<bool, 3, 1> sizes_to_find(const SurveyOptions& options, const SurveyResult& result) {
+  const Eigen::Array<bool, 3, 1> stated(options.length_stated, options.width_stated,
+                                        options.crown_stated);
+  return !stated && result.size_sigma_m.array() <= kFoundSize &&
+         result.size_change_m.array().abs() >=
+             (0.5 * result.size_sigma_m.array()).max(kSizeSettled);
+}
+
+base::Result<SurveyResult> run_survey(const std::vector<LineMap>& maps,
+                                      const pitch::PitchModel& pitch, Side side,
+                                      const SurveyOptions& options, bool head) {
+  return Survey(maps, pitch, side, options, head).run();
+}
+
+}  // namespace touchline::calibrate
