@@ -10,27 +10,22 @@
 namespace touchline::compensate {
 namespace {
 
-constexpr int kSteps = 4;   // Chebyshev steps; the error left is under 1 % at a boost of 0.6 + 0.6
-constexpr int kStrip = 48;  // rows worked on at a time, so that they stay in the cache
-constexpr int kTap = 2;     // reach of the boost
+constexpr int kSteps = 3;  // Chebyshev steps; the error left is about 2 % at a boost of 0.6 + 0.6
+constexpr int kTap = 2;    // reach of the boost
+constexpr int kHalo = kTap * kSteps;
+constexpr int kBlockRows = 64;  // of a block worked on at a time, so that it stays in the cache
+constexpr int kBlockColumns = 480;
+constexpr int kRows = kBlockRows + 2 * kHalo;
+constexpr int kColumns = kBlockColumns + 2 * kHalo;
 
-// Rows of a strip with kTap columns of padding on either side.
-class Strip {
+// A block with its halo.
+class Block {
  public:
-  Strip(int width, int rows)
-      : pitch_(width + 2 * kTap),
-        values_(static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(rows), 0.f) {}
-  float* row(int y) { return values_.data() + static_cast<std::ptrdiff_t>(y) * pitch_ + kTap; }
+  float* row(int y) { return values_.data() + static_cast<std::ptrdiff_t>(y) * kColumns; }
 
  private:
-  int pitch_;
-  std::vector<float> values_;
+  std::vector<float> values_ = std::vector<float>(static_cast<std::size_t>(kRows) * kColumns, 0.f);
 };
-
-void pad(float* row, int width) {
-  row[-2] = row[-1] = row[0];
-  row[width] = row[width + 1] = row[width - 1];
-}
 
 }  // namespace
 
@@ -83,59 +78,62 @@ image::Image<std::uint16_t> Compensator::apply(image::ImageView<const std::uint1
     rho = next;
   }
 
-  constexpr int kHalo = kTap * kSteps;
-  const int rows = kStrip + 2 * kHalo;
-  Strip wanted(width, rows);
-  Strip now(width, rows);
-  Strip next(width, rows);
-  Strip step(width, rows);
-  for (int first = 0; first < height; first += kStrip) {
-    const int last = std::min(height, first + kStrip);
-    const int begin = first - kHalo;  // picture row of strip row 0
-    const int end = last + kHalo;
-    for (int y = begin; y < end; ++y) {
-      const std::uint16_t* from = luma.row(std::clamp(y, 0, height - 1));
-      float* b = wanted.row(y - begin);
-      float* x = now.row(y - begin);
-      float* s = step.row(y - begin);
-      for (int i = 0; i < width; ++i) {
-        b[i] = from[i];
-        x[i] = b[i];
-        s[i] = 0;
-      }
-      pad(x, width);
-    }
-    for (int k = 0; k < kSteps; ++k) {
-      const int reach = kTap * (k + 1);
-      const float g = gain[static_cast<std::size_t>(k)];
-      const float m = momentum[static_cast<std::size_t>(k)];
-      for (int r = reach; r < end - begin - reach; ++r) {
-        const float* x = now.row(r);
-        const float* a1 = now.row(r - 1);
-        const float* a2 = now.row(r - 2);
-        const float* b1 = now.row(r + 1);
-        const float* b2 = now.row(r + 2);
-        const float* b = wanted.row(r);
+  Block wanted;
+  Block now;
+  Block next;
+  Block step;
+  for (int top = 0; top < height; top += kBlockRows)
+    for (int left = 0; left < width; left += kBlockColumns) {
+      const int bottom = std::min(height, top + kBlockRows);
+      const int right = std::min(width, left + kBlockColumns);
+      const int rows = bottom - top + 2 * kHalo;
+      const int columns = right - left + 2 * kHalo;
+      for (int r = 0; r < rows; ++r) {
+        const std::uint16_t* from = luma.row(std::clamp(top - kHalo + r, 0, height - 1));
+        float* b = wanted.row(r);
+        float* x = now.row(r);
         float* s = step.row(r);
-        float* o = next.row(r);
-        for (int i = 0; i < width; ++i) {
-          const float boosted = centre * x[i] - h1 * (x[i - 1] + x[i + 1]) -
-                                h2 * (x[i - 2] + x[i + 2]) - v1 * (a1[i] + b1[i]) -
-                                v2 * (a2[i] + b2[i]);
-          s[i] = g * (b[i] - boosted) + m * s[i];
-          o[i] = x[i] + s[i];
+        const int first = left - kHalo;
+        const int begin = std::max(0, -first);
+        const int end = std::min(columns, width - first);
+        for (int i = 0; i < begin; ++i) b[i] = from[0];
+        for (int i = begin; i < end; ++i) b[i] = from[first + i];
+        for (int i = end; i < columns; ++i) b[i] = from[width - 1];
+        for (int i = 0; i < columns; ++i) {
+          x[i] = b[i];
+          s[i] = 0;
         }
-        pad(o, width);
       }
-      std::swap(now, next);
+      for (int k = 0; k < kSteps; ++k) {
+        const int reach = kTap * (k + 1);
+        const float g = gain[static_cast<std::size_t>(k)];
+        const float m = momentum[static_cast<std::size_t>(k)];
+        for (int r = reach; r < rows - reach; ++r) {
+          const float* x = now.row(r);
+          const float* a1 = now.row(r - 1);
+          const float* a2 = now.row(r - 2);
+          const float* b1 = now.row(r + 1);
+          const float* b2 = now.row(r + 2);
+          const float* b = wanted.row(r);
+          float* s = step.row(r);
+          float* o = next.row(r);
+          for (int i = reach; i < columns - reach; ++i) {
+            const float boosted = centre * x[i] - h1 * (x[i - 1] + x[i + 1]) -
+                                  h2 * (x[i - 2] + x[i + 2]) - v1 * (a1[i] + b1[i]) -
+                                  v2 * (a2[i] + b2[i]);
+            s[i] = g * (b[i] - boosted) + m * s[i];
+            o[i] = x[i] + s[i];
+          }
+        }
+        std::swap(now, next);
+      }
+      for (int y = top; y < bottom; ++y) {
+        const float* x = now.row(y - top + kHalo) + kHalo;
+        std::uint16_t* to = out.row(y) + left;
+        for (int i = 0; i < right - left; ++i)
+          to[i] = static_cast<std::uint16_t>(std::min(std::max(x[i] + 0.5f, 0.f), 1023.f));
+      }
     }
-    for (int y = first; y < last; ++y) {
-      const float* x = now.row(y - begin);
-      std::uint16_t* to = out.row(y);
-      for (int i = 0; i < width; ++i)
-        to[i] = static_cast<std::uint16_t>(std::min(std::max(x[i] + 0.5f, 0.f), 1023.f));
-    }
-  }
   return out;
 }
 

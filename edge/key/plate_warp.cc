@@ -1,6 +1,9 @@
 #include "edge/key/plate_warp.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -89,12 +92,65 @@ Sample sample_anywhere(const TileTable& table, float u, float v) {
   return out;
 }
 
-inline float bilinear(const std::uint16_t* p, float fx, float fy) {
-  const float top = static_cast<float>(p[0]) + fx * static_cast<float>(p[1] - p[0]);
-  const float bottom =
-      static_cast<float>(p[kTile]) + fx * static_cast<float>(p[kTile + 1] - p[kTile]);
-  return top + fy * (bottom - top);
-}
+// Eight pixels at a time from one tile. A 32-bit load at a sample holds it and its right neighbour.
+class TileReader {
+ public:
+  explicit TileReader(const image::PlateTile& tile) : tile_(tile) {}
+
+  // Positions in the tile, taps inside it. Gives a bit for each lane with a tap that has no value.
+  int load(__m256 u, __m256 v) {
+    const __m256i iu = _mm256_cvttps_epi32(u);
+    const __m256i iv = _mm256_cvttps_epi32(v);
+    fu_ = _mm256_sub_ps(u, _mm256_cvtepi32_ps(iu));
+    fv_ = _mm256_sub_ps(v, _mm256_cvtepi32_ps(iv));
+    at_ = _mm256_add_epi32(_mm256_slli_epi32(iv, 8), iu);
+    const __m256i top = gather(tile_.mean[0], at_);
+    const __m256i bottom = gather(tile_.mean[0], below());
+    luma_ = mix(top, bottom);
+    const __m256i zero = _mm256_setzero_si256();
+    const __m256i none =
+        _mm256_or_si256(_mm256_cmpeq_epi16(top, zero), _mm256_cmpeq_epi16(bottom, zero));
+    return _mm256_movemask_ps(_mm256_castsi256_ps(
+        _mm256_xor_si256(_mm256_cmpeq_epi32(none, zero), _mm256_set1_epi32(-1))));
+  }
+  __m128i luma() const { return luma_; }
+  __m128i chroma(std::size_t plane) const {
+    return mix(gather(tile_.mean[plane], at_), gather(tile_.mean[plane], below()));
+  }
+  __m128i luma_deviation() const { return narrow(low_half(gather(tile_.deviation[0], at_))); }
+  __m128i chroma_deviation() const {
+    return narrow(low_half(
+        _mm256_max_epu16(gather(tile_.deviation[1], at_), gather(tile_.deviation[2], at_))));
+  }
+
+ private:
+  static __m256i gather(const image::Image<std::uint16_t>& plane, __m256i at) {
+    return _mm256_i32gather_epi32(reinterpret_cast<const int*>(plane.data()), at, 2);
+  }
+  static __m256i low_half(__m256i pair) {
+    return _mm256_and_si256(pair, _mm256_set1_epi32(0xffff));
+  }
+  static __m128i narrow(__m256i wide) {
+    const __m256i packed = _mm256_permute4x64_epi64(_mm256_packus_epi32(wide, wide), 0x08);
+    return _mm256_castsi256_si128(packed);
+  }
+  __m256i below() const { return _mm256_add_epi32(at_, _mm256_set1_epi32(kTile)); }
+  __m256 across(__m256i pair) const {
+    const __m256 left = _mm256_cvtepi32_ps(low_half(pair));
+    const __m256 right = _mm256_cvtepi32_ps(_mm256_srli_epi32(pair, 16));
+    return _mm256_fmadd_ps(fu_, _mm256_sub_ps(right, left), left);
+  }
+  __m128i mix(__m256i top, __m256i bottom) const {
+    const __m256 a = across(top);
+    const __m256 b = across(bottom);
+    return narrow(_mm256_cvtps_epi32(_mm256_fmadd_ps(fv_, _mm256_sub_ps(b, a), a)));
+  }
+
+  const image::PlateTile& tile_;
+  __m256 fu_{}, fv_{};
+  __m256i at_{};
+  __m128i luma_{};
+};
 
 }  // namespace
 
@@ -142,15 +198,6 @@ WarpedPlate warp_plate(const image::PlateSnapshot& plate, const FrameGrid& grid,
           seam = true;
         }
       }
-      const auto [low_u, high_u] = std::minmax_element(u.begin(), u.end());
-      const auto [low_v, high_v] = std::minmax_element(v.begin(), v.end());
-      const int column = tile_of(static_cast<int>(std::floor(*low_u)));
-      const int row = tile_of(static_cast<int>(std::floor(*low_v)));
-      const auto* tile = table.at(column, row);
-      const bool inside = !seam && tile && column == tile_of(static_cast<int>(*high_u + 2)) &&
-                          row == tile_of(static_cast<int>(*high_v + 2));
-      const float base_u = static_cast<float>(column * kTile);
-      const float base_v = static_cast<float>(row * kTile);
       for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) {
         const float t = static_cast<float>(y - j * kCell) / kCell;
         const float ua = u[0] + t * (u[2] - u[0]);
@@ -161,40 +208,46 @@ WarpedPlate warp_plate(const image::PlateSnapshot& plate, const FrameGrid& grid,
         const float dv = (vb - va) / kCell;
         const int end = std::min(kCell, width - i * kCell);
         const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(y) * width + i * kCell;
-        if (inside) {
-          const std::uint16_t* mean_y = tile->mean[0].data();
-          const std::uint16_t* mean_b = tile->mean[1].data();
-          const std::uint16_t* mean_r = tile->mean[2].data();
-          for (int k = 0; k < end; ++k) {
-            const float pu = ua + du * static_cast<float>(k) - base_u;
-            const float pv = va + dv * static_cast<float>(k) - base_v;
-            const int iu = static_cast<int>(pu);
-            const int iv = static_cast<int>(pv);
-            const std::ptrdiff_t at = iv * kTile + iu;
-            const std::uint16_t* p = mean_y + at;
-            if (p[0] == 0 || p[1] == 0 || p[kTile] == 0 || p[kTile + 1] == 0) {
-              store(start + k, sample_anywhere(table, pu + base_u, pv + base_v));
-              continue;
-            }
-            const float fu = pu - static_cast<float>(iu);
-            const float fv = pv - static_cast<float>(iv);
-            Sample s;
-            s.y = bilinear(p, fu, fv);
-            s.cb = bilinear(mean_b + at, fu, fv);
-            s.cr = bilinear(mean_r + at, fu, fv);
-            s.luma_deviation = tile->deviation[0].data()[at];
-            s.chroma_deviation =
-                std::max(tile->deviation[1].data()[at], tile->deviation[2].data()[at]);
-            store(start + k, s);
+        int k = 0;
+        for (; !seam && k + 8 <= end; k += 8) {
+          // Eight positions on a straight line: its ends tell whether one tile holds all taps.
+          const float first_u = ua + du * static_cast<float>(k);
+          const float last_u = first_u + 7 * du;
+          const float first_v = va + dv * static_cast<float>(k);
+          const float last_v = first_v + 7 * dv;
+          const int column = tile_of(static_cast<int>(std::floor(std::min(first_u, last_u))));
+          const int row = tile_of(static_cast<int>(std::floor(std::min(first_v, last_v))));
+          const float base_u = static_cast<float>(column * kTile);
+          const float base_v = static_cast<float>(row * kTile);
+          const auto* tile = table.at(column, row);
+          int missing = 0xff;
+          if (tile && std::max(first_u, last_u) < base_u + kTile - 1.01f &&
+              std::max(first_v, last_v) < base_v + kTile - 1.01f) {
+            TileReader reader(*tile);
+            const __m256 lane = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+            missing = reader.load(
+                _mm256_fmadd_ps(_mm256_set1_ps(du), lane, _mm256_set1_ps(first_u - base_u)),
+                _mm256_fmadd_ps(_mm256_set1_ps(dv), lane, _mm256_set1_ps(first_v - base_v)));
+            const auto put = [&](image::Image<std::uint16_t>& plane, __m128i values) {
+              _mm_storeu_si128(reinterpret_cast<__m128i*>(plane.data() + start + k), values);
+            };
+            put(out.y, reader.luma());
+            put(out.cb, reader.chroma(1));
+            put(out.cr, reader.chroma(2));
+            put(out.luma_deviation, reader.luma_deviation());
+            put(out.chroma_deviation, reader.chroma_deviation());
           }
-        } else {
-          for (int k = 0; k < end; ++k) {
-            float pu = ua + du * static_cast<float>(k);
-            const float pv = va + dv * static_cast<float>(k);
-            if (seam && pu > turn / 2) pu -= turn;
-            if (seam && pu < -turn / 2) pu += turn;
-            store(start + k, sample_anywhere(table, pu, pv));
-          }
+          for (int m = 0; m < 8 && missing; ++m)
+            if (missing >> m & 1)
+              store(start + k + m, sample_anywhere(table, first_u + du * static_cast<float>(m),
+                                                   first_v + dv * static_cast<float>(m)));
+        }
+        for (; k < end; ++k) {
+          float pu = ua + du * static_cast<float>(k);
+          const float pv = va + dv * static_cast<float>(k);
+          if (seam && pu > turn / 2) pu -= turn;
+          if (seam && pu < -turn / 2) pu += turn;
+          store(start + k, sample_anywhere(table, pu, pv));
         }
       }
     }
