@@ -143,13 +143,14 @@ TEST(Architecture, ProductIncludesNeitherTestsNorTools) {
 
 TEST(Architecture, IncludesAreRelativeToTheRoot) {
   const std::set<std::string> roots = {"shared", "edge", "hub", "tools", "tests"};
-  EXPECT_THAT(includes_that([&](const std::string& file, const std::string& included) {
-                // Code generated from the schema lies in the build folder under its own name.
-                if (starts_with(file, "shared/wire/") && starts_with(included, "touchline"))
-                  return false;
-                return roots.count(side_of(included)) == 0;
-              }),
-              testing::IsEmpty());
+  EXPECT_THAT(
+      includes_that([&](const std::string& file, const std::string& included) {
+        // Code generated from the schema lies in the build folder under its own name.
+        if (file.find("shared/wire/") != std::string::npos && starts_with(included, "touchline"))
+          return false;
+        return roots.count(side_of(included)) == 0;
+      }),
+      testing::IsEmpty());
 }
 
 TEST(Architecture, PublicHeadersShowStdAndEigenOnly) {
