@@ -1,0 +1,137 @@
+#include "tools/score/hull_score.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+
+#include "tools/score/mesh_query.h"
+
+namespace touchline::score {
+
+namespace {
+
+constexpr std::size_t kLeastVertices = 100;
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t node) {
+  while (parent[node] != node) {
+    parent[node] = parent[parent[node]];
+    node = parent[node];
+  }
+  return node;
+}
+
+double volume_of(const geometry::Mesh& mesh) {
+  if (mesh.vertices.empty()) return 0;
+  const Eigen::Vector3d base = mesh.vertices.front().cast<double>();
+  double six = 0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>() - base;
+    const Eigen::Vector3d b = mesh.vertices[t[1]].cast<double>() - base;
+    const Eigen::Vector3d c = mesh.vertices[t[2]].cast<double>() - base;
+    six += a.dot(b.cross(c));
+  }
+  return six / 6;
+}
+
+}  // namespace
+
+double HullScore::least_share() const {
+  double least = 1;
+  for (const PersonInside& person : people) least = std::min(least, person.share);
+  return people.empty() ? 0 : least;
+}
+
+double HullScore::mean_share() const {
+  double sum = 0;
+  for (const PersonInside& person : people) sum += person.share;
+  return people.empty() ? 0 : sum / static_cast<double>(people.size());
+}
+
+std::vector<geometry::Mesh> split_components(const geometry::Mesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 1; i < 3; ++i) {
+      const std::uint32_t a = root_of(parent, t[0]);
+      const std::uint32_t b = root_of(parent, t[i]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<geometry::Mesh> parts;
+  constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  std::vector<std::uint32_t> part_of(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+  for (const auto& t : mesh.triangles) {
+    const std::uint32_t root = root_of(parent, t[0]);
+    if (part_of[root] == kNone) {
+      part_of[root] = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    geometry::Mesh& part = parts[part_of[root]];
+    std::array<std::uint32_t, 3> triangle{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (number[t[i]] == kNone) {
+        number[t[i]] = static_cast<std::uint32_t>(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[t[i]]);
+      }
+      triangle[i] = number[t[i]];
+    }
+    part.triangles.push_back(triangle);
+  }
+  return parts;
+}
+
+HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
+                     const std::vector<TruePerson>& people,
+                     std::span<const geometry::CameraEstimate> cameras, double reach_m) {
+  HullScore score;
+  const std::vector<geometry::Mesh> parts = split_components(hull);
+  score.components = parts.size();
+  score.volume_m3 = volume_of(hull);
+  std::vector<MeshQuery> queries(parts.size());
+  std::vector<Eigen::AlignedBox3d> boxes(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    queries[p].add(parts[p]);
+    for (const Eigen::Vector3f& v : parts[p].vertices) boxes[p].extend(v.cast<double>());
+    boxes[p].min().array() -= reach_m;
+    boxes[p].max().array() += reach_m;
+  }
+  std::vector<bool> touched(parts.size(), false);
+  const std::vector<int> owner = assign_vertices(truth, people);
+  std::vector<std::size_t> seen(people.size());
+  std::vector<std::size_t> inside(people.size());
+  std::size_t all_seen = 0;
+  std::size_t all_inside = 0;
+  for (std::size_t i = 0; i < truth.vertices.size(); ++i) {
+    const Eigen::Vector3d point = truth.vertices[i].cast<double>();
+    bool held = false;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (!boxes[p].contains(point)) continue;
+      if (queries[p].inside(point) || queries[p].distance(point, reach_m) < reach_m) {
+        held = true;
+        touched[p] = true;
+      }
+    }
+    const auto by = std::count_if(cameras.begin(), cameras.end(), [&](const auto& camera) {
+      const auto pixel = geometry::project(camera, point);
+      return pixel && camera.model.sees(*pixel);
+    });
+    if (by < 2) continue;
+    ++all_seen;
+    all_inside += held;
+    if (owner[i] < 0) continue;
+    ++seen[static_cast<std::size_t>(owner[i])];
+    inside[static_cast<std::size_t>(owner[i])] += held;
+  }
+  score.all_share =
+      all_seen > 0 ? static_cast<double>(all_inside) / static_cast<double>(all_seen) : 0;
+  score.phantoms = static_cast<std::size_t>(std::count(touched.begin(), touched.end(), false));
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    if (seen[p] < (people[p].is_ball() ? 1 : kLeastVertices)) continue;
+    score.people.push_back(
+        {people[p].id, static_cast<double>(inside[p]) / static_cast<double>(seen[p]), seen[p]});
+  }
+  return score;
+}
+
+}  // namespace touchline::score

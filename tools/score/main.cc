@@ -1,0 +1,65 @@
+// touchline-score: what a session exported, against what is true.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "shared/recording/recording.h"
+#include "tools/score/report.h"
+#include "tools/score/truth.h"
+
+namespace {
+
+using namespace touchline;  // NOLINT: this file is the program
+
+int failed(const base::Error& error) {
+  std::fprintf(stderr, "touchline-score: %s\n", base::to_string(error).c_str());
+  return base::exit_code(error);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Scores what a session exported against the truth of its recording"};
+  app.footer(
+      "Exports lie as touchline-hub writes them: DIR/cameras/<id>.csv, DIR/mattes/<id>/%06d.png,\n"
+      "DIR/hull/%06d.ply, DIR/people/people.csv, DIR/renders/virtual01/%06d.png.\n\n"
+      "Example:\n"
+      "  for what in cameras mattes hull people; do\n"
+      "    touchline-hub export $what --session out/s --out out/x/$what\n"
+      "  done\n"
+      "  touchline-score --recording recordings/dev-attack --exports out/x\n\n"
+      "Exit codes: 0 scored; 1 something could not be read; 2 arguments.");
+  std::string recording_folder;
+  score::ScoreOptions options;
+  bool json = false;
+  app.add_option("--recording", recording_folder, "recording with its truth/")->required();
+  app.add_option("--exports,--session-exports", options.exports, "folder of exports")->required();
+  app.add_option("--voxel", options.voxel_m, "metres outside the hull that count as inside")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
+  app.add_option("--mattes", options.most_mattes, "frames of mattes a camera; 0 = all")
+      ->capture_default_str();
+  app.add_option("--hulls", options.most_hulls, "frames of hulls; 0 = all")->capture_default_str();
+  app.add_option("--views", options.most_views, "frames a virtual camera; 0 = all")
+      ->capture_default_str();
+  app.add_flag("--json", json, "print JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  cv::setNumThreads(1);
+  const auto recording = recording::load_recording(recording_folder);
+  if (!recording) return failed(recording.error());
+  const auto truth = score::Truth::open(*recording);
+  if (!truth) return failed(truth.error());
+  if (!std::filesystem::is_directory(options.exports)) {
+    return failed({base::ErrorKind::kArgument, options.exports.string(), "is no folder",
+                   "give the folder of exports"});
+  }
+  const auto report = score::score_exports(*recording, *truth, options);
+  if (!report) return failed(report.error());
+  std::printf("%s\n", (json ? score::json_text(*report) : score::table_text(*report)).c_str());
+  return 0;
+}
