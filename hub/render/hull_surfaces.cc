@@ -65,6 +65,7 @@ HullSurfaces::HullSurfaces(const scene::Hull& hull) : impl_(std::make_unique<Imp
   impl_->device = rtcNewDevice("threads=0");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_LOW);
   for (std::size_t i = 0; i < hull.groups.size(); ++i) {
     const scene::HullGroup& group = hull.groups[i];
     const geometry::Mesh& mesh = group.surface;
@@ -81,6 +82,7 @@ HullSurfaces::HullSurfaces(const scene::Hull& hull) : impl_(std::make_unique<Imp
                                               3 * sizeof(std::uint32_t), mesh.triangles.size());
     std::memcpy(triangles, mesh.triangles.data(),
                 mesh.triangles.size() * 3 * sizeof(std::uint32_t));
+    rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_LOW);
     rtcCommitGeometry(shape);
     rtcAttachGeometryByID(impl_->scene, shape, static_cast<unsigned>(i));
     rtcReleaseGeometry(shape);
