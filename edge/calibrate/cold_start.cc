@@ -321,6 +321,7 @@ class Search {
     RefineOptions refine_options;
     refine_options.position = true;
     refine_options.lens = options_.refine_lens;
+    refine_options.shift_sigma = 0.02;
     refine_options.roll_sigma = 0.5 * options_.most_roll_deg * kPi / 180;
     refine_options.tolerances_px = scaled;
     struct Candidate {

@@ -35,7 +35,7 @@ struct SurveyOptions {
   double point_sigma_px = 0.25;  // of a measured line point
   double most_rms_px = 1.2;      // beyond this the lines do not fit the stated pitch, at 1080 lines
   // Which of the pitch model's sizes were measured. The others start from the model's and are
-  // found, where the pictures tell them to 0.05 m.
+  // found, where the pictures tell them to 0.05 m, or tell that they are many sigmas off.
   bool length_stated = true;
   bool width_stated = true;
   bool crown_stated = true;

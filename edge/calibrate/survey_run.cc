@@ -21,8 +21,10 @@ constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
 constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
 constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
 constexpr double kLeastStillScore = 0.7;
-constexpr double kLeastFit = 0.78;      // of confirmed and explained, over all solved stills
-constexpr double kFoundSize = 0.05;     // metres: a size this sure is found
+constexpr double kLeastFit = 0.78;   // of confirmed and explained, over all solved stills
+constexpr double kFoundSize = 0.05;  // metres: a size this sure is found
+constexpr double kRoughSize = 0.5;   // metres: one this sure is found where it is far off
+constexpr double kRoughSigmas = 6;
 constexpr double kSizeSettled = 0.004;  // metres: a smaller change is not worth another run
 
 geometry::HeadPose head_of(const geometry::Mount& mount, const geometry::Rigid3& cam_from_world,
@@ -441,9 +443,11 @@ class Survey {
 Eigen::Array<bool, 3, 1> sizes_to_find(const SurveyOptions& options, const SurveyResult& result) {
   const Eigen::Array<bool, 3, 1> stated(options.length_stated, options.width_stated,
                                         options.crown_stated);
-  return !stated && result.size_sigma_m.array() <= kFoundSize &&
-         result.size_change_m.array().abs() >=
-             (0.5 * result.size_sigma_m.array()).max(kSizeSettled);
+  const Eigen::Array3d change = result.size_change_m.array().abs();
+  const Eigen::Array3d sigma = result.size_sigma_m.array();
+  const Eigen::Array<bool, 3, 1> told =
+      sigma <= kFoundSize || (sigma <= kRoughSize && change >= kRoughSigmas * sigma);
+  return !stated && told && change >= (0.5 * sigma).max(kSizeSettled);
 }
 
 base::Result<SurveyResult> run_survey(const std::vector<LineMap>& maps,
