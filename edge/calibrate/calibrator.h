@@ -39,7 +39,7 @@ struct CalibrateOptions {
   double coast_s = 0.4;           // a prediction without lines is worth trying for this long
   double search_period_s = 0.2;   // between searches of the whole picture while lost
   double check_period_s = 0.5;    // between looks at the whole picture while tracking
-  double least_explained = 0.5;   // share of the white ridges on the pitch that lie on markings
+  double least_explained = 0.6;   // share of the white ridges on the pitch that lie on markings
   double explain_px = 6;          // how near is on, pixels at 1080 lines
   int least_explain_points = 60;  // ridge points without which nothing is said
 

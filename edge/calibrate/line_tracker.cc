@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 #include <utility>
 
@@ -9,6 +10,8 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
+constexpr int kMostRepeats = 3;
+constexpr double kProgress = 0.01;  // share of line confirmed that makes another look worth while
 
 // What a fit misses to be trusted; empty when nothing.
 std::string shortcoming(const PoseFit& fit, const TrackOptions& options, double scale) {
@@ -38,6 +41,8 @@ base::Status TrackOptions::validate() const {
                       fmt::format("{} is not {}", value, bound));
   };
   if (!(refine_search_px >= 1)) return bad("refine_search_px", refine_search_px, "at least 1");
+  if (!(repeat_below >= 0 && repeat_below <= 1))
+    return bad("repeat_below", repeat_below, "in [0, 1]");
   if (least_points < 4) return bad("least_points", least_points, "at least 4");
   if (!(least_confirmed >= 0 && least_confirmed <= 1))
     return bad("least_confirmed", least_confirmed, "in [0, 1]");
@@ -52,6 +57,24 @@ base::Status TrackOptions::validate() const {
 LineTracker::LineTracker(pitch::PitchModel pitch, geometry::Mount mount, TrackOptions options)
     : pitch_(std::move(pitch)), mount_(std::move(mount)), options_(std::move(options)) {}
 
+PoseFit LineTracker::look(const image::Frame& frame, const geometry::CameraEstimate& prior,
+                          const geometry::CameraEstimate& start,
+                          const LinePointOptions& windows) const {
+  PoseFit wide =
+      fit_pose(measure_lines(frame, pitch_, start, windows), mount_, prior, start, options_.fit);
+  if (wide.result.estimate.lost()) return wide;
+  // Profiles are truest where the window is centred on the line and square to it.
+  LinePointOptions narrow = options_.points;
+  narrow.search_px = options_.refine_search_px;
+  narrow.search_sigmas = 0;
+  PoseFitOptions refine = options_.fit;
+  refine.hypotheses = 0;
+  const geometry::CameraEstimate& near = wide.result.estimate;
+  PoseFit fit = fit_pose(measure_lines(frame, pitch_, near, narrow), mount_, prior, near, refine);
+  fit.result.report.iterations += wide.result.report.iterations;
+  return fit;
+}
+
 state::TrackResult LineTracker::track(const image::Frame& frame,
                                       const geometry::CameraEstimate& prior) const {
   return track_in_detail(frame, prior).result;
@@ -59,19 +82,22 @@ state::TrackResult LineTracker::track(const image::Frame& frame,
 
 PoseFit LineTracker::track_in_detail(const image::Frame& frame,
                                      const geometry::CameraEstimate& prior) const {
-  const PoseFit wide = fit_pose(measure_lines(frame, pitch_, prior, options_.points), mount_, prior,
-                                prior, options_.fit);
-  if (wide.result.estimate.lost()) return wide;
-
-  // Profiles are truest where the window is centred on the line and square to it.
-  LinePointOptions narrow = options_.points;
-  narrow.search_px = options_.refine_search_px;
-  narrow.search_sigmas = 0;
-  PoseFitOptions refine = options_.fit;
-  refine.hypotheses = 0;
-  const geometry::CameraEstimate& start = wide.result.estimate;
-  PoseFit fit = fit_pose(measure_lines(frame, pitch_, start, narrow), mount_, prior, start, refine);
-  fit.result.report.iterations += wide.result.report.iterations;
+  PoseFit fit = look(frame, prior, prior, options_.points);
+  // A fit that rests on some of the lines leaves the others outside the narrow windows: look round
+  // it again, and keep what explains more.
+  LinePointOptions again = options_.points;
+  again.search_px = std::min(2 * again.search_px, again.most_search_px);
+  again.search_sigmas = 0;
+  for (int i = 0; i < kMostRepeats; ++i) {
+    if (fit.result.estimate.lost() || fit.confirmation.share() >= options_.repeat_below) break;
+    PoseFit other = look(frame, prior, fit.result.estimate, again);
+    const bool better = !other.result.estimate.lost() &&
+                        other.confirmation.share() > fit.confirmation.share() + kProgress;
+    if (!better) break;
+    other.result.report.iterations += fit.result.report.iterations;
+    fit = std::move(other);
+  }
+  if (fit.result.estimate.lost()) return fit;
 
   const std::string missing = shortcoming(fit, options_, frame.height() / 1080.0);
   if (!missing.empty()) {

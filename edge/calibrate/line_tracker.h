@@ -17,12 +17,13 @@ struct TrackOptions {
   LinePointOptions points;
   PoseFitOptions fit;
   double refine_search_px = 5;  // half width of the second pass's windows, pixels at 1080 lines
+  double repeat_below = 0.9;    // confirmed share of line below which it looks again, wider
   // A result that misses one of these is lost.
-  int least_points = 20;         // line points used
-  double least_confirmed = 0.6;  // share of the line length in plain sight that was found
-  double least_seen_px = 150;    // of line found, pixels at 1080 lines
-  double most_rms_px = 1.5;      // across the lines, the same
-  double most_pan_sd_deg = 0.1;  // by the lines alone
+  int least_points = 20;          // line points used
+  double least_confirmed = 0.75;  // share of the line length in plain sight that was found
+  double least_seen_px = 150;     // of line found, pixels at 1080 lines
+  double most_rms_px = 1.5;       // across the lines, the same
+  double most_pan_sd_deg = 0.1;   // by the lines alone
   double most_tilt_sd_deg = 0.1;
   double most_log_focal_sd = 0.02;
 
@@ -45,6 +46,10 @@ class LineTracker {
   const TrackOptions& options() const { return options_; }
 
  private:
+  // Wide windows round `start`, a fit, narrow windows round that, and another.
+  PoseFit look(const image::Frame& frame, const geometry::CameraEstimate& prior,
+               const geometry::CameraEstimate& start, const LinePointOptions& windows) const;
+
   pitch::PitchModel pitch_;
   geometry::Mount mount_;
   TrackOptions options_;
