@@ -11,6 +11,7 @@
 #include "hub/render/foreground_internal.h"
 #include "hub/render/hull_surfaces_internal.h"
 #include "hub/render/source_view_internal.h"
+#include "hub/render/stadium_sweep_internal.h"
 #include "hub/render/turf_shadow_internal.h"
 
 namespace touchline::render {
@@ -154,7 +155,7 @@ base::Result<Renderer> Renderer::make(const pitch::PitchModel& pitch,
     if (plate.tiles.empty() || !(plate.radians_per_px > 0)) continue;
     cameras.push_back({id, PlateTexture(plate, colour.of(id))});
   }
-  Stadium stadium = options.find_stadium ? estimate_stadium(pitch, plates, options.stadium)
+  Stadium stadium = options.find_stadium ? sweep_stadium(pitch, cameras, options.stadium)
                                          : default_stadium(pitch, options.stadium);
   return Renderer(std::make_unique<const Impl>(
       Impl{BackgroundRenderer(pitch, std::move(stadium), std::move(cameras), options), colour,
