@@ -35,6 +35,14 @@ Participation participation_of(const codec::CameraView& view) {
   return fits ? Participation::kCarved : Participation::kWrongSize;
 }
 
+Components label_anew(Volume& volume, const pitch::PitchModel& pitch, const HullOptions& options) {
+  Components components = label_components(volume, pitch);
+  if (cut_above_people(volume, components, pitch, options)) {
+    components = label_components(volume, pitch);
+  }
+  return components;
+}
+
 // Components that become groups.
 std::vector<std::uint8_t> choose_components(const Components& components,
                                             const HullOptions& options) {
@@ -44,7 +52,7 @@ std::vector<std::uint8_t> choose_components(const Components& components,
     const Component& component = components.list[c];
     const bool high = component.lowest_m > options.people_height_m;
     keep[c] = static_cast<double>(component.samples) * sample_m3 >= options.min_volume_m3 &&
-              (!high || may_be_ball(component, options));
+              component.healed < component.samples && (!high || may_be_ball(component, options));
   }
   return keep;
 }
@@ -101,18 +109,27 @@ HullResult carve(std::span<const codec::CameraView> views, const pitch::PitchMod
   for (auto& map : built) maps.push_back(std::move(*map));
 
   Volume volume = carve_volume(maps, pitch, options);
-  Components components = label_components(volume, pitch);
-  if (cut_above_people(volume, components, pitch, options)) {
-    components = label_components(volume, pitch);
-  }
-  const std::vector<std::uint8_t> keep = choose_components(components, options);
+  Components components = label_anew(volume, pitch, options);
+  std::vector<std::uint8_t> keep = choose_components(components, options);
   std::vector<CameraCoverage> coverage = project_components(maps, volume, components, keep);
+  if (options.heal) {
+    tbb::parallel_for(std::size_t{0}, maps.size(), [&](std::size_t m) {
+      const image::Image<std::uint8_t> mask = unexplained_foreground(maps[m], coverage[m]);
+      if (!mask.empty()) maps[m].set_unexplained(mask);
+    });
+    if (heal_volume(volume, maps, pitch, options)) {
+      components = label_anew(volume, pitch, options);
+      keep = choose_components(components, options);
+      coverage = project_components(maps, volume, components, keep);
+    }
+  }
   const std::vector<std::uint8_t> phantom =
       find_phantoms(maps, coverage, components, keep, options);
   std::vector<geometry::Mesh> meshes = extract_surfaces(volume, components, keep);
 
   for (std::size_t c = 0; c < keep.size(); ++c) {
     result.report.inside_samples += components.list[c].samples;
+    if (keep[c]) result.report.healed_samples += components.list[c].healed;
     if (!keep[c]) {
       ++result.report.dropped;
       continue;

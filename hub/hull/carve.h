@@ -27,10 +27,13 @@
 namespace touchline::hull {
 
 struct HullOptions {
-  double voxel_m = 0.02;       // spacing of the samples, metres, 0.005..0.2
-  double dilation_px = 3;      // bound on calibration and matting errors, pixels, 0..10
-  int alpha_threshold = 128;   // coverage that counts as foreground, 1..255 (1: any)
-  int min_support = 2;         // cameras that must see a point as foreground, 1..6
+  double voxel_m = 0.02;      // spacing of the samples, metres, 0.005..0.2
+  double dilation_px = 3;     // bound on calibration and matting errors, pixels, 0..10
+  int alpha_threshold = 128;  // coverage that counts as foreground, 1..255 (1: any)
+  int min_support = 2;        // cameras that must see a point as foreground, 1..6
+  // Where two cameras see foreground that the hull explains in neither, one camera that carves
+  // there is taken to be wrong: its matte has a hole.
+  bool heal = true;
   double margin_m = 8;         // how far beyond the pitch people are looked for, metres, 0..50
   double below_turf_m = 0.04;  // the hull is closed this far below the turf, metres, 0..0.5
   double people_height_m =
@@ -64,7 +67,8 @@ struct HullReport {
   std::size_t cells = 0;              // cells that were tested on the way down
   std::size_t bricks = 0;             // bricks of 8 x 8 x 8 samples that were evaluated
   std::size_t inside_samples = 0;
-  std::size_t dropped = 0;  // components too small, or too high above the turf
+  std::size_t healed_samples = 0;  // of these, carved by one camera against two
+  std::size_t dropped = 0;         // components too small, or too high above the turf
   std::size_t phantoms = 0;
 };
 

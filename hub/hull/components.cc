@@ -134,6 +134,7 @@ Components label_components(Volume& volume, const pitch::PitchModel& pitch) {
           Component& component = components.list[components.at(brick, static_cast<int>(s))];
           const Eigen::Vector3d point = volume.sample_in_world(brick.key, i, j, k);
           ++component.samples;
+          component.healed += brick.healed[s];
           component.bounds.extend(point);
           component.lowest_m = std::min(component.lowest_m, point.z() - turf);
         }

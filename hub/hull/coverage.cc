@@ -187,6 +187,19 @@ std::vector<CameraCoverage> project_components(std::span<const SilhouetteMap> ma
   return cameras;
 }
 
+image::Image<std::uint8_t> unexplained_foreground(const SilhouetteMap& map,
+                                                  const CameraCoverage& coverage) {
+  const image::Image<std::uint8_t>& foreground = map.foreground();
+  image::Image<std::uint8_t> mask(foreground.width(), foreground.height());
+  std::uint8_t any = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    mask.data()[i] = coverage.count.data()[i] == 0 ? foreground.data()[i] : 0;
+    any |= mask.data()[i];
+  }
+  if (!any) return {};
+  return mask;
+}
+
 bool supports(const CameraCoverage& camera, std::size_t component) {
   return !camera.pixels[component].empty() &&
          camera.pixels[component].size() * 20 >= camera.projected_px[component];

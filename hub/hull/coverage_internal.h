@@ -30,6 +30,10 @@ std::vector<CameraCoverage> project_components(std::span<const SilhouetteMap> ma
                                                const Volume& volume, const Components& components,
                                                const std::vector<std::uint8_t>& keep);
 
+// Foreground of a camera that no component covers: 255. Empty when there is none.
+image::Image<std::uint8_t> unexplained_foreground(const SilhouetteMap& map,
+                                                  const CameraCoverage& coverage);
+
 // A camera saw a component when a twentieth of the projection is foreground.
 bool supports(const CameraCoverage& camera, std::size_t component);
 

@@ -161,12 +161,8 @@ SilhouetteMap::SilhouetteMap(const codec::CameraView& view, int alpha_threshold,
     }
     foreground_px_ += count;
   }
-  const int reach = std::min(15, static_cast<int>(std::ceil(dilation_px)) + 4);
-  // A sample is interpolated between pixels, hence one more than the dilation.
-  const auto limit = static_cast<std::uint8_t>(
-      std::min(254.0, std::ceil((dilation_px + 0.5 + 1) / kDistanceStep)));
-  seen_ = banded_distance(foreground_, reach);
-  seen_blocks_ = BlockCount(seen_, limit);
+  seen_ = banded_distance(foreground_, reach());
+  seen_blocks_ = BlockCount(seen_, block_limit());
 
   image::Image<std::uint8_t> possible = foreground_;
   std::uint8_t any_unknown = 0;
@@ -179,10 +175,41 @@ SilhouetteMap::SilhouetteMap(const codec::CameraView& view, int alpha_threshold,
     }
   }
   if (any_unknown) {
-    possible_ = banded_distance(possible, reach);
-    possible_blocks_ = BlockCount(possible_, limit);
+    possible_ = banded_distance(possible, reach());
+    possible_blocks_ = BlockCount(possible_, block_limit());
   } else {
     possible_blocks_ = seen_blocks_;
+  }
+}
+
+int SilhouetteMap::reach() const {
+  return std::min(15, static_cast<int>(std::ceil(dilation_px_)) + 4);
+}
+
+std::uint8_t SilhouetteMap::block_limit() const {
+  // A sample is interpolated between pixels, hence one more than the dilation.
+  return static_cast<std::uint8_t>(
+      std::min(254.0, std::ceil((dilation_px_ + 0.5 + 1) / static_cast<double>(kDistanceStep))));
+}
+
+void SilhouetteMap::set_unexplained(const image::Image<std::uint8_t>& mask) {
+  unexplained_ = banded_distance(mask, reach());
+  unexplained_blocks_ = BlockCount(unexplained_, block_limit());
+}
+
+bool SilhouetteMap::may_be_unexplained(const BoxFootprint& box) const {
+  if (unexplained_.empty() || box.place == BoxPlace::kOutside) return false;
+  return unexplained_blocks_.any(box.x0, box.y0, box.x1, box.y1);
+}
+
+void SilhouetteMap::measure_unexplained_row(int count, const float* u, const float* v,
+                                            const float* z, float* unexplained) const {
+  const auto bound = static_cast<float>(dilation_px_ + 0.5);
+  const auto per_focal = static_cast<float>(1 / camera_.model.fx);
+  for (int i = 0; i < count; ++i) {
+    unexplained[i] = z[i] <= 0 || unexplained_.empty()
+                         ? -std::numeric_limits<float>::infinity()
+                         : (bound - sample(unexplained_, u[i], v[i])) * z[i] * per_focal;
   }
 }
 

@@ -77,6 +77,14 @@ class SilhouetteMap {
     return rotation_ * step_in_world;
   }
 
+  // Tells which foreground no component explains (not 0), in the picture's size.
+  void set_unexplained(const image::Image<std::uint8_t>& mask);
+  // False: no point of the box projects into the dilated unexplained foreground.
+  bool may_be_unexplained(const BoxFootprint& box) const;
+  // As measure_row, metres inside the dilated unexplained foreground.
+  void measure_unexplained_row(int count, const float* u, const float* v, const float* z,
+                               float* unexplained) const;
+
   // Projects `count` points at start + i * step in camera coordinates. z is the depth, or 0 where
   // the point is not in the picture.
   void project_row(const Eigen::Vector3d& start_in_cam, const Eigen::Vector3d& step_in_cam,
@@ -89,6 +97,8 @@ class SilhouetteMap {
                    float* seen) const;
 
  private:
+  int reach() const;
+  std::uint8_t block_limit() const;
   float sample(const image::Image<std::uint8_t>& map, float u, float v) const;
 
   geometry::CameraEstimate camera_;
@@ -97,9 +107,11 @@ class SilhouetteMap {
   float fold_radius_squared_ = 0;
   image::Image<std::uint8_t> foreground_;
   std::size_t foreground_px_ = 0;
-  image::Image<std::uint8_t> seen_;      // distance to foreground
-  image::Image<std::uint8_t> possible_;  // to foreground or unknown; empty = the same as seen_
+  image::Image<std::uint8_t> seen_;         // distance to foreground
+  image::Image<std::uint8_t> possible_;     // to foreground or unknown; empty = the same as seen_
+  image::Image<std::uint8_t> unexplained_;  // to unexplained foreground; empty = there is none
   BlockCount seen_blocks_;
+  BlockCount unexplained_blocks_;
   BlockCount possible_blocks_;  // the border band counts as set
 };
 

@@ -15,30 +15,13 @@ namespace {
 constexpr int kMostSupport = 6;
 constexpr double kRootCell = 5.2;  // metres; the largest cell that the search starts from
 
-// A cell spans the bricks (x, y, z) * size .. + size - 1, size = 2^level.
-struct Cell {
-  BrickKey key;
-};
-
-struct CellBox {
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
-};
-
-CellBox box_of(const BrickKey& key, int bricks_across, double voxel_m) {
-  const double samples = static_cast<double>(bricks_across) * kBrick;
-  const Eigen::Vector3d low = Eigen::Vector3d(key.x, key.y, key.z) * (samples * voxel_m);
-  return {low, low + Eigen::Vector3d::Constant((samples - 1) * voxel_m)};
-}
-
+// Heights of the whole pitch, metres.
 struct Slab {
-  double low = 0;  // of the whole pitch
+  double low = 0;
   double high = 0;
 };
 
-bool survives(const CellBox& box, std::span<const SilhouetteMap> maps, const Slab& slab,
-              int min_support) {
-  if (box.high.z() < slab.low || box.low.z() > slab.high) return false;
+bool may_be_inside(const Box& box, std::span<const SilhouetteMap> maps, int min_support) {
   int support = 0;
   int left = static_cast<int>(maps.size());
   for (const SilhouetteMap& map : maps) {
@@ -61,7 +44,7 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
   const auto ranks = static_cast<std::size_t>(options.min_support);
   least.fill(kInfinite);
   for (std::size_t r = 0; r < ranks; ++r) top[r].fill(-kInfinite);
-  const CellBox box = box_of(brick.key, 1, volume.voxel_m);
+  const Box box = box_of(brick.key, 1, volume.voxel_m);
   const Eigen::Vector3d step(volume.voxel_m, 0, 0);
   for (const SilhouetteMap& map : maps) {
     if (map.footprint(box.low, box.high).place == BoxPlace::kOutside) continue;
@@ -94,26 +77,39 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
     }
     if (!any) return false;
   }
-  const auto voxel = static_cast<float>(volume.voxel_m);
+  std::array<float, kBrickSamples> value;
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = std::min(least[i], top[ranks - 1][i]);
+  return write_field(brick, value, volume.voxel_m, pitch, options);
+}
+
+}  // namespace
+
+Box box_of(const BrickKey& key, int bricks_across, double voxel_m) {
+  const double samples = static_cast<double>(bricks_across) * kBrick;
+  const Eigen::Vector3d low = Eigen::Vector3d(key.x, key.y, key.z) * (samples * voxel_m);
+  return {low, low + Eigen::Vector3d::Constant((samples - 1) * voxel_m)};
+}
+
+bool write_field(Brick& brick, const std::array<float, kBrickSamples>& value, double voxel_m,
+                 const pitch::PitchModel& pitch, const HullOptions& options) {
+  const Eigen::Vector3d low = box_of(brick.key, 1, voxel_m).low;
+  const auto voxel = static_cast<float>(voxel_m);
   bool inside = false;
   for (int j = 0; j < kBrick; ++j) {
-    const double turf = pitch.turf_z(box.low.y() + j * volume.voxel_m);
+    const double turf = pitch.turf_z(low.y() + j * voxel_m);
     for (int k = 0; k < kBrick; ++k) {
-      const double above = box.low.z() + k * volume.voxel_m - turf;
+      const double above = low.z() + k * voxel_m - turf;
       const auto slab =
           static_cast<float>(std::min(above + options.below_turf_m, options.ball_height_m - above));
       for (int i = 0; i < kBrick; ++i) {
         const auto s = static_cast<std::size_t>((k * kBrick + j) * kBrick + i);
-        const float value = std::min(std::min(least[s], top[ranks - 1][s]), slab);
-        brick.field[s] = std::clamp(value, -voxel, voxel);
-        inside |= value > 0;
+        brick.field[s] = std::clamp(std::min(value[s], slab), -voxel, voxel);
+        inside |= brick.field[s] > 0;
       }
     }
   }
   return inside;
 }
-
-}  // namespace
 
 std::ptrdiff_t Volume::find(const BrickKey& key) const {
   const auto at = std::lower_bound(bricks.begin(), bricks.end(), key,
@@ -121,11 +117,9 @@ std::ptrdiff_t Volume::find(const BrickKey& key) const {
   return at != bricks.end() && at->key == key ? at - bricks.begin() : -1;
 }
 
-Volume carve_volume(std::span<const SilhouetteMap> maps, const pitch::PitchModel& pitch,
-                    const HullOptions& options) {
-  Volume volume;
-  volume.voxel_m = options.voxel_m;
-  if (static_cast<int>(maps.size()) < options.min_support) return volume;
+std::vector<BrickKey> find_bricks(const pitch::PitchModel& pitch, const HullOptions& options,
+                                  const std::function<bool(const Box&)>& survives,
+                                  std::size_t& cells_tested) {
   int across = 1;  // bricks along a cell's edge
   while (2 * across * kBrick * options.voxel_m <= kRootCell) across *= 2;
   const double half_x = pitch.length_m / 2 + pitch.in_goal_m + options.margin_m;
@@ -133,45 +127,56 @@ Volume carve_volume(std::span<const SilhouetteMap> maps, const pitch::PitchModel
   const Slab slab{-pitch.crown_m - options.below_turf_m, options.ball_height_m};
   const double size = across * kBrick * options.voxel_m;
   const auto first = [&](double metres) { return static_cast<int>(std::floor(metres / size)); };
-  std::vector<Cell> cells;
+  std::vector<BrickKey> cells;
   for (int x = first(-half_x); x <= first(half_x); ++x) {
     for (int y = first(-half_y); y <= first(half_y); ++y) {
-      for (int z = first(slab.low); z <= first(slab.high); ++z) cells.push_back({{x, y, z}});
+      for (int z = first(slab.low); z <= first(slab.high); ++z) cells.push_back({x, y, z});
     }
   }
   std::vector<std::uint8_t> alive;
   for (;; across /= 2) {
-    volume.cells_tested += cells.size();
+    cells_tested += cells.size();
     alive.assign(cells.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), 64), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        alive[i] = survives(box_of(cells[i].key, across, options.voxel_m), maps, slab,
-                            options.min_support);
+        const Box box = box_of(cells[i], across, options.voxel_m);
+        alive[i] = box.high.z() >= slab.low && box.low.z() <= slab.high && survives(box);
       }
     });
-    std::vector<Cell> kept;
+    std::vector<BrickKey> kept;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (!alive[i]) continue;
-      const BrickKey& key = cells[i].key;
+      const BrickKey& key = cells[i];
       if (across == 1) {
-        kept.push_back(cells[i]);
+        kept.push_back(key);
         continue;
       }
       for (int child = 0; child < 8; ++child) {
         kept.push_back(
-            {{2 * key.x + (child >> 2), 2 * key.y + ((child >> 1) & 1), 2 * key.z + (child & 1)}});
+            {2 * key.x + (child >> 2), 2 * key.y + ((child >> 1) & 1), 2 * key.z + (child & 1)});
       }
     }
     cells = std::move(kept);
     if (across == 1) break;
   }
-  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.key < b.key; });
-  volume.bricks_tested = cells.size();
-  std::vector<Brick> bricks(cells.size());
-  alive.assign(cells.size(), 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), 8), [&](const auto& range) {
+  std::sort(cells.begin(), cells.end());
+  return cells;
+}
+
+Volume carve_volume(std::span<const SilhouetteMap> maps, const pitch::PitchModel& pitch,
+                    const HullOptions& options) {
+  Volume volume;
+  volume.voxel_m = options.voxel_m;
+  if (static_cast<int>(maps.size()) < options.min_support) return volume;
+  const std::vector<BrickKey> keys = find_bricks(
+      pitch, options, [&](const Box& box) { return may_be_inside(box, maps, options.min_support); },
+      volume.cells_tested);
+  volume.bricks_tested = keys.size();
+  std::vector<Brick> bricks(keys.size());
+  std::vector<std::uint8_t> alive(keys.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), 8), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      bricks[i].key = cells[i].key;
+      bricks[i].key = keys[i];
       alive[i] = evaluate(bricks[i], volume, maps, pitch, options);
     }
   });

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <bitset>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +37,7 @@ struct Brick {
   // Component of the brick's own samples from 0, 255 outside; first_component + label is global.
   std::array<std::uint8_t, kBrickSamples> label{};
   std::uint32_t first_component = 0;
+  std::bitset<kBrickSamples> healed;  // inside by heal_volume only
 };
 
 struct Volume {
@@ -51,12 +54,36 @@ struct Volume {
   }
 };
 
+// The samples of a cell or brick lie between two corners, ends included.
+struct Box {
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+};
+Box box_of(const BrickKey& key, int bricks_across, double voxel_m);
+
+// Bricks, by rising key, that `survives` holds for as it does for the larger cells round them,
+// within the reach of the options. Calls are made from several threads.
+std::vector<BrickKey> find_bricks(const pitch::PitchModel& pitch, const HullOptions& options,
+                                  const std::function<bool(const Box&)>& survives,
+                                  std::size_t& cells_tested);
+
+// Bounds above by the turf and the ceiling, clips at one voxel, and writes the field of a brick.
+// True when a sample is inside.
+bool write_field(Brick& brick, const std::array<float, kBrickSamples>& value, double voxel_m,
+                 const pitch::PitchModel& pitch, const HullOptions& options);
+
 Volume carve_volume(std::span<const SilhouetteMap> maps, const pitch::PitchModel& pitch,
                     const HullOptions& options);
+
+// Adds what two cameras see as unexplained foreground and at most one carves. True when it added
+// any.
+bool heal_volume(Volume& volume, std::span<const SilhouetteMap> maps,
+                 const pitch::PitchModel& pitch, const HullOptions& options);
 
 // A 6-connected component of inside samples.
 struct Component {
   std::size_t samples = 0;
+  std::size_t healed = 0;      // of these
   Eigen::AlignedBox3d bounds;  // of the samples
   double lowest_m = 0;         // of its samples above the turf
 };

@@ -252,6 +252,40 @@ TEST(Carve, UnknownPixelsNeverCarve) {
   }
 }
 
+TEST(Carve, HealsAHoleInOneMatte) {
+  std::mt19937 random(39);
+  const std::vector<Capsule> people = {support::standing(0, 0), support::standing(1.5, 0.5)};
+  std::vector<codec::CameraView> views = random_views(random, 4, people);
+  // One camera has lost the legs of one of them.
+  const auto knee = geometry::project(views[0].estimate, {0, 0, 0.5});
+  ASSERT_TRUE(knee);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (y > knee->y() && std::abs(x - knee->x()) < 15) views[0].matte->alpha(x, y) = 0;
+    }
+  }
+  HullOptions options = coarse_options();
+  const HullResult healed = carve(views, small_pitch(), options);
+  options.heal = false;
+  const HullResult cut = carve(views, small_pitch(), options);
+  EXPECT_GT(healed.report.healed_samples, 0U);
+  EXPECT_EQ(cut.report.healed_samples, 0U);
+  const score::MeshQuery with = query_of(healed.hull);
+  const score::MeshQuery without = query_of(cut.hull);
+  int lost = 0;
+  for (const Eigen::Vector3d& point : support::surface_points(people[0], 500, random)) {
+    EXPECT_TRUE(with.inside(point)) << point.transpose();
+    lost += !without.inside(point);
+  }
+  EXPECT_GT(lost, 50);
+}
+
+TEST(Carve, HealsNothingWhereMattesAreWhole) {
+  std::mt19937 random(40);
+  const std::vector<codec::CameraView> views = random_views(random, 4, random_people(random, 5));
+  EXPECT_EQ(carve(views, small_pitch(), coarse_options()).report.healed_samples, 0U);
+}
+
 TEST(Carve, IsTheSameAtAnyThreadCount) {
   std::mt19937 random(41);
   const std::vector<codec::CameraView> views = random_views(random, 4, random_people(random, 6));
