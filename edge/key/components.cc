@@ -15,6 +15,7 @@ constexpr int kPeakReach = 4;    // pixels within which a body's strongest diffe
 constexpr int kShareOfPeak = 4;  // sixteenths of that a pixel must reach
 constexpr int kEnough = static_cast<int>(9 * kDistanceScale);  // or this distance
 constexpr double kEdgeShare = 0.5;    // of a component along edges of the plate
+constexpr int kThin = 3;              // mean width of one that is no body, pixels
 constexpr double kSmallPerson = 0.2;  // square metres, under which such a component is dropped
 constexpr double kJump = 1.2;         // metres that feet may be over the turf
 constexpr double kSmallHole = 0.06;   // metres: holes up to this square are closed more readily
@@ -148,9 +149,10 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference, const Frame
     const double ball = std::numbers::pi * std::pow(kBallRadius * (scale > 0 ? scale : 20.0), 2);
     const double least = std::max(4.0, kLeastShareOfBall * ball);
     if (b.area < least || b.strong < std::max(2.0, 0.25 * least)) continue;
-    // What is small and lies along edges of the plate is an edge that did not quite fit.
+    // What is small or thin and lies along edges of the plate is an edge that did not quite fit.
     const double person = kSmallPerson * std::pow(scale > 0 ? scale : 20.0, 2);
-    if (b.on_edge > kEdgeShare * b.area && b.area < person) continue;
+    const int length = std::max(b.right - b.left, b.bottom - b.top) + 1;
+    if (b.on_edge > kEdgeShare * b.area && (b.area < person || b.area < kThin * length)) continue;
     const bool at_border = b.bottom >= height - 2;
     b.keep =
         at_border || passes_volume(camera, pitch,

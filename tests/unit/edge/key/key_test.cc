@@ -1,0 +1,178 @@
+// The key on painted pitches.
+#include "edge/key/key.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "edge/plate/plate_builder.h"
+#include "tests/unit/edge/plate/turf_scene.h"
+
+namespace touchline::key {
+namespace {
+
+using plate::Backdrop;
+using plate::Disc;
+using plate::test_camera;
+using plate::test_pitch;
+
+class Key : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    scene_.emplace(camera_, pitch_);
+    plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
+    for (unsigned k = 0; k < 6; ++k) builder.add(scene_->frame({}, 50 + k), camera_);
+    plate_ = builder.snapshot(true);
+  }
+  image::Matte matte(const std::vector<Disc>& discs, const KeyOptions& options = {}) const {
+    return key(scene_->frame(discs, 3), camera_, *plate_, pitch_, options).matte;
+  }
+
+  pitch::PitchModel pitch_ = test_pitch();
+  geometry::CameraEstimate camera_ = test_camera(0);
+  std::optional<Backdrop> scene_;
+  std::shared_ptr<const image::PlateSnapshot> plate_;
+};
+
+TEST_F(Key, TheBoundaryOfADiscIsWithinAPixel) {
+  for (const double radius : {3.0, 6.0, 14.0}) {
+    const Disc disc{{240.3, 180.7}, radius};
+    const auto alpha = matte({disc}).alpha;
+    for (int y = 0; y < alpha.height(); ++y)
+      for (int x = 0; x < alpha.width(); ++x) {
+        const double away = (Eigen::Vector2d(x, y) - disc.centre).norm();
+        if (away < radius - 1) {
+          EXPECT_GE(alpha(x, y), 128) << radius << ": " << x << ' ' << y;
+        }
+        if (away > radius + 1) {
+          EXPECT_LT(alpha(x, y), 128) << radius << ": " << x << ' ' << y;
+        }
+      }
+  }
+}
+
+TEST_F(Key, CoverageOfTheEdgeIsSoft) {
+  const Disc disc{{240, 180}, 14};
+  const auto alpha = matte({disc}).alpha;
+  double sum = 0;
+  for (int y = 150; y < 210; ++y)
+    for (int x = 210; x < 270; ++x) sum += alpha(x, y) / 255.0;
+  EXPECT_NEAR(sum, 3.14159 * 14 * 14, 0.04 * 3.14159 * 14 * 14);
+}
+
+TEST_F(Key, AnEmptyPitchHasNoForeground) {
+  const auto alpha = matte({}).alpha;
+  EXPECT_EQ(std::count_if(alpha.data(), alpha.data() + alpha.size(),
+                          [](std::uint8_t a) { return a != 0; }),
+            0);
+}
+
+TEST_F(Key, ALegThreePixelsWideIsKept) {
+  std::vector<Disc> leg;
+  for (int k = 0; k < 24; ++k) leg.push_back({{200.0 + 0.3 * k, 170.0 + k}, 1.5});
+  const auto alpha = matte(leg).alpha;
+  for (int k = 1; k < 23; ++k)
+    EXPECT_GE(alpha(static_cast<int>(std::lround(200.0 + 0.3 * k)), 170 + k), 128) << k;
+}
+
+TEST_F(Key, ShadowOnTurfIsBackground) {
+  auto frame = scene_->frame({}, 4);
+  for (int y = 170; y < 190; ++y)
+    for (int x = 180; x < 260; ++x) {
+      frame.planes[0](x, y) = static_cast<std::uint16_t>(64 + 0.5 * (frame.planes[0](x, y) - 64));
+      for (std::size_t c = 1; c < 3; ++c)
+        frame.planes[c](x, y) =
+            static_cast<std::uint16_t>(512 + 0.62 * (frame.planes[c](x, y) - 512));
+    }
+  const auto alpha = key(frame, camera_, *plate_, pitch_).matte.alpha;
+  EXPECT_EQ(*std::max_element(alpha.data(), alpha.data() + alpha.size()), 0);
+}
+
+TEST_F(Key, HalfAPixelOfCalibrationErrorMakesNoPeopleOfLines) {
+  auto off = camera_;
+  off.cam_from_world.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.5 / 500, Eigen::Vector3d::UnitX())) *
+      off.cam_from_world.rotation;
+  off.cam_from_world.translation =
+      -(off.cam_from_world.rotation * geometry::position_in_world(camera_));
+  const auto alpha = key(scene_->frame({}, 5), off, *plate_, pitch_).matte.alpha;
+  const auto lit = std::count_if(alpha.data(), alpha.data() + alpha.size(),
+                                 [](std::uint8_t a) { return a >= 128; });
+  EXPECT_LT(lit, alpha.width() * alpha.height() / 2000);
+}
+
+TEST_F(Key, TheSkyAndTheUpperStandsAreNobodysPlace) {
+  camera_ = test_camera(0, 0.05);
+  SetUp();
+  const auto result = key(scene_->frame({Disc{{240, 20}, 10}}, 6), camera_, *plate_, pitch_);
+  EXPECT_EQ(result.matte.alpha(240, 20), 0);
+  EXPECT_EQ(result.matte.unknown(240, 20), 0);
+  EXPECT_FALSE(result.matte.region.contains(240, 20));
+}
+
+TEST_F(Key, GoalFramesAreOccludersAndUnknown) {
+  camera_ = test_camera(0.75, -0.2, 900);
+  SetUp();
+  const auto result = key(scene_->frame({}, 7), camera_, *plate_, pitch_);
+  ASSERT_FALSE(pitch_.bars.empty());
+  int seen = 0;
+  for (const auto& bar : pitch_.bars) {
+    const auto p = geometry::project(camera_, 0.5 * (bar.start + bar.end));
+    if (!p || p->x() < 1 || p->y() < 1 || p->x() > 478 || p->y() > 268) continue;
+    const int x = static_cast<int>(std::lround(p->x()));
+    const int y = static_cast<int>(std::lround(p->y()));
+    EXPECT_EQ(result.matte.occluders(x, y), 255);
+    EXPECT_EQ(result.matte.unknown(x, y), 255);
+    ++seen;
+  }
+  EXPECT_GT(seen, 0);
+}
+
+TEST_F(Key, WithoutAPlateTurfIsKeyedByColourAndTheRestIsUnknown) {
+  image::PlateSnapshot none;
+  none.centre_in_world = plate_->centre_in_world;
+  none.radians_per_px = plate_->radians_per_px;
+  const auto result = key(scene_->frame({Disc{{240, 190}, 10}}, 8), camera_, none, pitch_);
+  EXPECT_GE(result.matte.alpha(240, 190), 128);
+  EXPECT_EQ(result.matte.alpha(150, 190), 0);
+  EXPECT_GT(result.report.no_plate_share, 0.5);
+}
+
+TEST_F(Key, EveryImageHasTheFramesSize) {
+  const auto m = matte({});
+  for (const auto* image : {&m.alpha, &m.unknown, &m.occluders}) {
+    EXPECT_EQ(image->width(), 480);
+    EXPECT_EQ(image->height(), 270);
+  }
+  EXPECT_EQ(m.plate_version, plate_->version);
+}
+
+TEST_F(Key, ALostCameraKnowsNothing) {
+  auto lost = camera_;
+  lost.evidence = geometry::Evidence::kLost;
+  const auto result = key(scene_->frame({}, 9), lost, *plate_, pitch_);
+  EXPECT_EQ(result.matte.alpha.width(), 480);
+  EXPECT_EQ(result.report.unknown_share, 1);
+  EXPECT_EQ(result.matte.unknown(100, 100), 255);
+  EXPECT_EQ(result.matte.alpha(100, 100), 0);
+}
+
+TEST_F(Key, TheSameFrameGivesTheSameMatte) {
+  const std::vector<Disc> discs{{{120, 200}, 7}, {{300, 160}, 4}};
+  EXPECT_EQ(matte(discs), matte(discs));
+}
+
+TEST(KeyOptions, ValidateNamesFieldValueAndBound) {
+  EXPECT_TRUE(KeyOptions{}.validate());
+  KeyOptions options;
+  options.tallest_m = 9;
+  const auto status = options.validate();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().where, "tallest_m");
+  EXPECT_NE(status.error().what.find('9'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchline::key
