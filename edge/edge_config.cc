@@ -85,8 +85,6 @@ base::Result<ChainSetup> chain_setup(const recording::Recording& recording,
                       fmt::format("{} has no camera '{}'", recording.name, camera.value),
                       "it has: " + there);
   }
-  auto pitch = pitch::make_pitch(recording.sport, recording.sizes);
-  if (!pitch) return base::fail(pitch.error());
   ChainSetup setup;
   setup.camera = camera;
   switch (entry->role) {
@@ -114,7 +112,8 @@ base::Result<ChainSetup> chain_setup(const recording::Recording& recording,
       setup.side = calibrate::Side::kRight;
       break;
   }
-  setup.pitch = std::move(*pitch);
+  setup.sport = recording.sport;
+  setup.sizes = recording.sizes;
   setup.rate = entry->rate;
   return setup;
 }

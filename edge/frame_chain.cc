@@ -58,6 +58,14 @@ compensate::Compensator compensator_of(const compensate::DetailOptions& options,
   return compensate::Compensator(model);
 }
 
+calibrate::SurveyOptions survey_options(const ChainSetup& setup, const ChainOptions& options) {
+  calibrate::SurveyOptions out = options.survey;
+  out.length_stated = setup.sizes.length_m.has_value();
+  out.width_stated = setup.sizes.width_m.has_value();
+  out.crown_stated = setup.sizes.crown_m.has_value();
+  return out;
+}
+
 }  // namespace
 
 base::Status ChainOptions::validate() const {
@@ -79,9 +87,24 @@ base::Status ChainOptions::validate() const {
   return {};
 }
 
+base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,
+                                                   const ChainOptions& options,
+                                                   std::vector<image::Frame>& stills) {
+  auto pitch = pitch::make_pitch(setup.sport, setup.sizes);
+  if (!pitch) return base::fail(pitch.error());
+  std::vector<image::FramePtr> frames;
+  for (image::Frame& still : stills)
+    frames.push_back(std::make_shared<const image::Frame>(std::move(still)));
+  state::DetailModel detail;
+  const auto undo = compensator_of(options.detail, frames, static_cast<int>(frames.size()), detail);
+  for (std::size_t i = 0; i < frames.size(); ++i) stills[i] = undo.apply(*frames[i]);
+  return calibrate::survey(stills, *pitch, setup.side, survey_options(setup, options));
+}
+
 struct FrameChain::Impl {
   ChainSetup setup;
   ChainOptions options;
+  pitch::PitchModel pitch;
   std::vector<image::Frame> stills;  // until the plate is seeded
   std::vector<geometry::CameraEstimate> still_estimates;
 
@@ -104,10 +127,27 @@ struct FrameChain::Impl {
 
   void note(std::string text) { notes.push_back(std::move(text)); }
 
+  // Sizes that nobody measured are those that the lines say from here on.
+  void adopt_sizes(const calibrate::SurveyResult& result) {
+    pitch::PitchSizes sizes = setup.sizes;
+    if (!sizes.length_m) sizes.length_m = result.length_m;
+    if (!sizes.width_m) sizes.width_m = result.width_m;
+    if (!sizes.crown_m) sizes.crown_m = result.crown_m;
+    auto found = pitch::make_pitch(setup.sport, sizes);
+    if (!found) return;
+    if (found->length_m != pitch.length_m || found->width_m != pitch.width_m ||
+        found->crown_m != pitch.crown_m) {
+      note(fmt::format("pitch by its lines: {:.2f} x {:.2f} m, crown {:.2f} m", found->length_m,
+                       found->width_m, found->crown_m));
+    }
+    pitch = std::move(*found);
+  }
+
   void adopt(const calibrate::SurveyResult& result) {
     mount = result.mount;
     report.survey_rms_px = result.rms_px;
     report.survey_solved = result.solved;
+    adopt_sizes(result);
     const Eigen::Vector3d p = mount->position_in_world;
     note(fmt::format("surveyed: {} pictures solved, rms {:.2f} px, position {:.2f} {:.2f} {:.2f} m",
                      result.solved, result.rms_px, p.x(), p.y(), p.z()));
@@ -115,14 +155,7 @@ struct FrameChain::Impl {
 
   void survey_stills() {
     const StageTimer timer(stage(kSurvey));
-    std::vector<image::FramePtr> frames;
-    for (image::Frame& still : stills)
-      frames.push_back(std::make_shared<const image::Frame>(std::move(still)));
-    state::DetailModel detail;
-    const auto undo =
-        compensator_of(options.detail, frames, static_cast<int>(frames.size()), detail);
-    for (std::size_t i = 0; i < frames.size(); ++i) stills[i] = undo.apply(*frames[i]);
-    auto result = calibrate::survey(stills, setup.pitch, setup.side, options.survey);
+    auto result = survey_mount(setup, options, stills);
     if (!result) {
       report.survey_error = result.error();
       note("survey failed: " + base::to_string(result.error()));
@@ -141,7 +174,7 @@ struct FrameChain::Impl {
       frames.push_back(*held[i]);
     }
     if (frames.empty()) return;
-    auto result = calibrate::survey_fixed(frames, setup.pitch, setup.side, options.survey);
+    auto result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
     if (!result) {
       if (setup.kind != HeadKind::kCloseup) report.survey_error = result.error();
       note("not calibrated: " + base::to_string(result.error()));
@@ -187,7 +220,7 @@ struct FrameChain::Impl {
       if (!estimate.lost()) focal = std::max(focal, estimate.model.fx);
     }
     if (focal <= 0 || !mount) return;
-    plate = std::make_unique<plate::PlateBuilder>(setup.pitch, mount->position_in_world, 1 / focal,
+    plate = std::make_unique<plate::PlateBuilder>(pitch, mount->position_in_world, 1 / focal,
                                                   options.plate);
     const StageTimer timer(stage(kPlate));
     for (std::size_t i = 0; i < still_estimates.size(); ++i)
@@ -206,11 +239,11 @@ struct FrameChain::Impl {
     state::KeyResult keyed;
     {
       const StageTimer timer(stage(kKey));
-      keyed = key::key(frame, estimate, *snapshot, setup.pitch, options.key);
+      keyed = key::key(frame, estimate, *snapshot, pitch, options.key);
     }
     const StageTimer timer(stage(kEncode));
     auto encoded = codec::encode(
-        encode::assemble(frame, estimate, std::move(keyed.matte), setup.pitch, options.encode),
+        encode::assemble(frame, estimate, std::move(keyed.matte), pitch, options.encode),
         options.codec);
     if (!encoded) {
       encoder_failed(encoded.error());
@@ -269,7 +302,7 @@ struct FrameChain::Impl {
     if (mount) {
       calibrate::CalibrateOptions calibrate_options = options.calibrate;
       calibrate_options.fixed = setup.kind == HeadKind::kFixed;
-      calibrator = std::make_unique<calibrate::Calibrator>(setup.pitch, *mount, calibrate_options);
+      calibrator = std::make_unique<calibrate::Calibrator>(pitch, *mount, calibrate_options);
       if (initial) calibrator->start_from(*initial);
     }
     std::vector<geometry::CameraEstimate> estimates;
@@ -302,6 +335,10 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
   auto impl = std::make_unique<Impl>();
   impl->setup = setup;
   impl->options = options;
+  impl->options.survey = survey_options(setup, options);
+  auto pitch = pitch::make_pitch(setup.sport, setup.sizes);
+  if (!pitch) return base::fail(pitch.error());
+  impl->pitch = std::move(*pitch);
   impl->stills = std::move(stills);
   impl->report.stages = {{"compensate", 0, 0}, {"survey", 0, 0}, {"calibrate", 0, 0},
                          {"plate", 0, 0},      {"key", 0, 0},    {"encode", 0, 0}};

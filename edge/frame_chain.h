@@ -40,7 +40,9 @@ struct ChainSetup {
   base::CameraId camera;
   HeadKind kind = HeadKind::kHead;
   calibrate::Side side = calibrate::Side::kMain;
-  pitch::PitchModel pitch;
+  pitch::Sport sport = pitch::Sport::kSoccer;
+  pitch::PitchSizes
+      sizes;  // as measured; what nobody measured is found by the survey where it can be
   base::FrameRate rate;
 };
 
@@ -89,6 +91,12 @@ struct ChainReport {
   // The camera could not be surveyed although its kind promises that it can.
   std::optional<base::Error> survey_error;
 };
+
+// Mount and lens of a head from its survey stills, which are compensated in place. The chain does
+// this itself; `survey` and `check` show it to the installer.
+base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,
+                                                   const ChainOptions& options,
+                                                   std::vector<image::Frame>& stills);
 
 class FrameChain {
  public:

@@ -204,10 +204,10 @@ int check(const Arguments& arguments) {
   }
   checks.report("video", video,
                 fmt::format("{}x{} {}", entry.width, entry.height, base::to_string(entry.rate)));
-  const auto stills = edge::load_stills(entry);
+  auto stills = edge::load_stills(entry);
   checks.report("stills", status_of(stills), stills ? fmt::format("{}", stills->size()) : "");
   if (stills && !stills->empty()) {
-    const auto survey = calibrate::survey(*stills, setup->pitch, setup->side, config->chain.survey);
+    const auto survey = edge::survey_mount(*setup, config->chain, *stills);
     checks.report("survey", status_of(survey),
                   survey ? fmt::format("{} of {} stills solved, rms {:.2f} px", survey->solved,
                                        stills->size(), survey->rms_px)
@@ -232,7 +232,7 @@ int survey(const Arguments& arguments) {
                    "put 12 to 16 stills of the empty pitch in its survey folder, over the whole "
                    "range of the head"});
   }
-  const auto result = calibrate::survey(*stills, setup->pitch, setup->side, config->chain.survey);
+  const auto result = edge::survey_mount(*setup, config->chain, *stills);
   if (!result) return failed(result.error());
   const geometry::Mount& mount = result->mount;
   constexpr double kDegrees = 180 / 3.14159265358979323846;
