@@ -203,6 +203,7 @@ void PlateBuilder::State::classify(const TileState& t) {
   }
   // Single pixels are noise; three in a neighbourhood are a person, whose rim is mixed with turf.
   body.assign(area, 0);
+  bool anybody = false;
   for (int y = 1; y + 1 < kWide; ++y)
     for (int x = 1; x + 1 < kWide; ++x) {
       const auto i = static_cast<std::size_t>(y) * kWide + static_cast<std::size_t>(x);
@@ -211,7 +212,12 @@ void PlateBuilder::State::classify(const TileState& t) {
       const auto* c = &foreign[i + kWide - 1];
       const int sum = a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + c[0] + c[1] + c[2];
       body[i] = sum >= 3 && b[1];
+      anybody = anybody || body[i];
     }
+  if (!anybody) {
+    for (auto& a : accepted) a = a != 0;
+    return;
+  }
   widen(body, kRejectReach, scratch, near_body);
   widen(body, kDoubtReach, scratch, around_body);
   for (std::size_t i = 0; i < area; ++i) {
