@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "hub/hull/surface_internal.h"
 
@@ -202,7 +204,53 @@ std::vector<geometry::Mesh> extract_surfaces(const Volume& volume, const Compone
           {number[triangle[0]], number[triangle[1]], number[triangle[2]]});
     }
   }
+  tbb::parallel_for(std::size_t{0}, meshes.size(),
+                    [&](std::size_t m) { fill_cavities(meshes[m]); });
   return meshes;
+}
+
+void fill_cavities(geometry::Mesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root_of = [&](std::uint32_t node) {
+    while (parent[node] != node) {
+      parent[node] = parent[parent[node]];
+      node = parent[node];
+    }
+    return node;
+  };
+  for (const auto& triangle : mesh.triangles) {
+    for (std::size_t i = 1; i < 3; ++i) {
+      const std::uint32_t a = root_of(triangle[0]);
+      const std::uint32_t b = root_of(triangle[i]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<double> volume(mesh.vertices.size());  // by root, times six
+  bool any = false;
+  for (const auto& triangle : mesh.triangles) {
+    const std::uint32_t root = root_of(triangle[0]);
+    const Eigen::Vector3d base = mesh.vertices[root].cast<double>();
+    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>() - base;
+    const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>() - base;
+    const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>() - base;
+    volume[root] += a.dot(b.cross(c));
+    any |= root != root_of(mesh.triangles.front()[0]);
+  }
+  if (!any) return;
+  constexpr std::uint32_t kGone = 0xFFFFFFFF;
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kGone);
+  geometry::Mesh kept;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (volume[root_of(v)] <= 0) continue;
+    number[v] = static_cast<std::uint32_t>(kept.vertices.size());
+    kept.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const auto& t : mesh.triangles) {
+    if (number[t[0]] == kGone) continue;
+    kept.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+  }
+  mesh = std::move(kept);
 }
 
 double enclosed_volume(const geometry::Mesh& mesh) {

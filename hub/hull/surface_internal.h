@@ -33,6 +33,9 @@ CellTable make_cell_table();
 std::vector<geometry::Mesh> extract_surfaces(const Volume& volume, const Components& components,
                                              const std::vector<std::uint8_t>& keep);
 
+// Takes away the closed parts that face inwards: nobody is hollow.
+void fill_cavities(geometry::Mesh& mesh);
+
 double enclosed_volume(const geometry::Mesh& mesh);
 
 }  // namespace touchline::hull

@@ -85,7 +85,8 @@ HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
                      const std::vector<TruePerson>& people,
                      std::span<const geometry::CameraEstimate> cameras, double reach_m) {
   HullScore score;
-  const std::vector<geometry::Mesh> parts = split_components(hull);
+  std::vector<geometry::Mesh> parts = split_components(hull);  // without inner walls of hollows
+  std::erase_if(parts, [](const geometry::Mesh& part) { return volume_of(part) <= 0; });
   score.components = parts.size();
   score.volume_m3 = volume_of(hull);
   std::vector<MeshQuery> queries(parts.size());

@@ -22,8 +22,8 @@ struct HullScore {
   std::int64_t frame = 0;
   std::vector<PersonInside> people;  // those with at least 100 such vertices; the ball with any
   double all_share = 0;              // over all vertices
-  std::size_t components = 0;
-  std::size_t phantoms = 0;  // components with no true vertex inside or within reach
+  std::size_t components = 0;        // connected, hollows inside them apart
+  std::size_t phantoms = 0;          // components with no true vertex inside or within reach
   double volume_m3 = 0;
 
   double least_share() const;

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "hub/hull/surface_internal.h"
 #include "hub/hull/volume_internal.h"
 #include "tests/support/capsule_scene.h"
 #include "tools/score/mesh_query.h"
@@ -156,6 +157,29 @@ TEST(Carve, SurfacesAreClosedManifoldsWithPositiveVolume) {
     EXPECT_GT(group.volume_m3, 0);
     EXPECT_EQ(group.id, static_cast<std::uint32_t>(&group - result.hull.groups.data()));
   }
+}
+
+TEST(FillCavities, KeepsOnlyWhatFacesOutwards) {
+  geometry::Mesh mesh;
+  const auto add = [&](float size, bool inwards) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3f& corner : {Eigen::Vector3f(-1, -1, -1), Eigen::Vector3f(3, -1, -1),
+                                          Eigen::Vector3f(-1, 3, -1), Eigen::Vector3f(-1, -1, 3)}) {
+      mesh.vertices.push_back(size * corner);
+    }
+    for (std::array<std::uint32_t, 3> t :
+         {std::array<std::uint32_t, 3>{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) {
+      if (inwards) std::swap(t[0], t[1]);
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  };
+  add(0.2F, true);
+  add(1, false);
+  fill_cavities(mesh);
+  ASSERT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_EQ(mesh.vertices[0], Eigen::Vector3f(-1, -1, -1));
+  ASSERT_EQ(mesh.triangles.size(), 4U);
+  EXPECT_GT(enclosed_volume(mesh), 0);
 }
 
 TEST(Carve, GroupsAreOrderedByCentre) {
