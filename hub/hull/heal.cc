@@ -45,6 +45,7 @@ bool evaluate(Brick& brick, double voxel_m, std::span<const SilhouetteMap> maps,
   TwoLeast possible;
   TwoLeast witness;  // of the negated measure
   const Box box = box_of(brick.key, 1, voxel_m);
+  const auto carved = static_cast<float>(-voxel_m);
   for (const SilhouetteMap& map : maps) {
     if (map.footprint(box.low, box.high).place == BoxPlace::kOutside) continue;
     const Eigen::Vector3d origin = map.in_cam(box.low);
@@ -52,6 +53,9 @@ bool evaluate(Brick& brick, double voxel_m, std::span<const SilhouetteMap> maps,
     const Eigen::Vector3d across = map.turned({0, voxel_m, 0});
     const Eigen::Vector3d up = map.turned({0, 0, voxel_m});
     for (int row = 0; row < kBrick * kBrick; ++row) {
+      const auto first = possible.second.begin() + row * kBrick;
+      if (std::all_of(first, first + kBrick, [&](float value) { return value <= carved; }))
+        continue;
       std::array<float, kBrick> u;
       std::array<float, kBrick> v;
       std::array<float, kBrick> z;

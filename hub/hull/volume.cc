@@ -43,6 +43,7 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
   std::array<std::array<float, kBrickSamples>, kMostSupport> top;
   const auto ranks = static_cast<std::size_t>(options.min_support);
   least.fill(kInfinite);
+  const auto carved = static_cast<float>(-volume.voxel_m);
   for (std::size_t r = 0; r < ranks; ++r) top[r].fill(-kInfinite);
   const Box box = box_of(brick.key, 1, volume.voxel_m);
   const Eigen::Vector3d step(volume.voxel_m, 0, 0);
@@ -56,6 +57,12 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
     for (int k = 0; k < kBrick; ++k) {
       for (int j = 0; j < kBrick; ++j) {
         const auto first = static_cast<std::size_t>((k * kBrick + j) * kBrick);
+        // Carved by a voxel and more: no other camera changes the clipped field.
+        if (std::all_of(least.begin() + static_cast<std::ptrdiff_t>(first),
+                        least.begin() + static_cast<std::ptrdiff_t>(first + kRow),
+                        [&](float value) { return value <= carved; })) {
+          continue;
+        }
         std::array<float, kRow> u;
         std::array<float, kRow> v;
         std::array<float, kRow> z;
