@@ -16,6 +16,7 @@ constexpr int kBlock = 8;           // pixels between exact evaluations
 constexpr double kCoarsePx = 16;    // pixels of the view that the coarse band averages
 constexpr double kSoftSlope = 1.5;  // of log weight over penalty
 constexpr double kSharpSlope = 10;
+constexpr double kBehindNet = 2;  // penalty of a camera that sees a point through a goal's net
 
 float smooth_step(double t) {
   const double s = std::clamp(t, 0.0, 1.0);
@@ -45,7 +46,11 @@ struct BackgroundRenderer::View {
 BackgroundRenderer::BackgroundRenderer(const pitch::PitchModel& pitch, Stadium stadium,
                                        std::vector<PlateCamera> cameras,
                                        const RenderOptions& options)
-    : pitch_(pitch), stadium_(std::move(stadium)), cameras_(std::move(cameras)), options_(options) {
+    : pitch_(pitch),
+      stadium_(std::move(stadium)),
+      cameras_(std::move(cameras)),
+      options_(options),
+      goals_(pitch) {
   turf_colour_ = mean_turf();
 }
 
@@ -141,6 +146,9 @@ void BackgroundRenderer::evaluate(const View& view, double x, double y, Corner& 
     penalty[i] = angle / angle_scale +
                  options_.resolution_weight *
                      std::max(0.0, -std::log2(static_cast<double>(std::max(term.texels, 1e-6f))));
+    if (ground.surface != kSkySurface && goals_.hides(texture.centre_in_world(), ground.point)) {
+      penalty[i] += kBehindNet;
+    }
     least = std::min(least, penalty[i]);
     corner.seen = std::max(corner.seen, cover[i]);
   }
@@ -207,6 +215,7 @@ void BackgroundRenderer::render_block(const View& view, int bx, int by, Backgrou
         out.colour(x, y) = colour;
         out.seen(x, y) = corner.seen;
         out.surface(x, y) = static_cast<std::int8_t>(corner.surface);
+        out.distance(x, y) = static_cast<float>(corner.distance);
       }
     }
     return;
@@ -226,6 +235,7 @@ void BackgroundRenderer::render_block(const View& view, int bx, int by, Backgrou
       out.colour(x, y) = colour;
       out.seen(x, y) = seen;
       out.surface(x, y) = static_cast<std::int8_t>(first.surface);
+      out.distance(x, y) = static_cast<float>(0.5 * (near + far));
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -286,6 +296,7 @@ Background BackgroundRenderer::render(const geometry::CameraEstimate& camera) co
   out.colour = image::Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
   out.seen = image::Image<float>(width, height);
   out.surface = image::Image<std::int8_t>(width, height);
+  out.distance = image::Image<float>(width, height);
   std::vector<double> shares(static_cast<std::size_t>(view.rows) * n, 0);
   tbb::parallel_for(0, view.rows - 1, [&](int by) {
     for (int bx = 0; bx + 1 < view.columns; ++bx) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "hub/render/goal_frames_internal.h"
 #include "hub/render/plate_texture_internal.h"
 #include "hub/render/render_options.h"
 #include "hub/render/stadium.h"
@@ -34,6 +35,7 @@ struct Background {
   image::Image<Eigen::Vector3f> colour;  // 0..255
   image::Image<float> seen;              // 0..1: how far a plate shows it
   image::Image<std::int8_t> surface;     // as in GroundPoint
+  image::Image<float> distance;          // from the virtual camera, metres
   std::vector<double> share;             // of the picture by camera, in the order of the cameras
 };
 
@@ -52,6 +54,7 @@ class BackgroundRenderer {
   const std::vector<PlateCamera>& cameras() const { return cameras_; }
   const Stadium& stadium() const { return stadium_; }
   const pitch::PitchModel& pitch() const { return pitch_; }
+  const GoalFrames& goals() const { return goals_; }
 
  private:
   // How a camera's plate serves one point of the view.
@@ -78,6 +81,7 @@ class BackgroundRenderer {
   Stadium stadium_;
   std::vector<PlateCamera> cameras_;
   RenderOptions options_;
+  GoalFrames goals_;
   Eigen::Vector3f turf_colour_ = {70, 110, 60};
 };
 

@@ -200,6 +200,9 @@ class Painter {
             cell.card_cover[static_cast<std::size_t>(layer.card)] += static_cast<double>(amount);
           }
         }
+        if (covered >= 0.5f) {
+          out.distance(x0 + x, y0 + y) = static_cast<float>(cell.layers[cell.first[p]].distance);
+        }
         out.colour(x0 + x, y0 + y) = sum;
         out.coverage(x0 + x, y0 + y) = covered;
       }
@@ -324,6 +327,8 @@ Foreground render_foreground(const ForegroundScene& scene, const pitch::PitchMod
   out.colour = image::Image<Eigen::Vector3f>(camera.model.width, camera.model.height,
                                              Eigen::Vector3f::Zero());
   out.coverage = image::Image<float>(camera.model.width, camera.model.height, 0.f);
+  out.distance = image::Image<float>(camera.model.width, camera.model.height,
+                                     std::numeric_limits<float>::infinity());
   out.share.assign(scene.views.size(), 0);
   out.group_cover.assign(scene.hull.groups.size(), 0);
   out.card_cover.assign(scene.cards.size(), 0);

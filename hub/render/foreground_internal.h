@@ -31,8 +31,9 @@ struct Card {
 struct Foreground {
   image::Image<Eigen::Vector3f> colour;  // 0..255, multiplied by coverage
   image::Image<float> coverage;          // 0..1
-  std::vector<double> share;             // of the picture by view
-  std::vector<double> group_cover;       // pixels that each hull group covers
+  image::Image<float> distance;     // of the first person in a pixel, metres; infinite for none
+  std::vector<double> share;        // of the picture by view
+  std::vector<double> group_cover;  // pixels that each hull group covers
   std::vector<double> card_cover;
 };
 

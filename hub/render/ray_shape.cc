@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kDropped = 0.02;   // shares of the colour below this are not looked up
 constexpr double kNearSlope = 6;    // of log weight over steps of penalty
+constexpr float kFaint = 0.1f;      // agreement that leaves nothing to see
+constexpr float kSolid = 0.9f;      // and that hides what lies behind
 constexpr double kThinHull = 0.05;  // metres of another group that hide a point
 
 }  // namespace
@@ -101,6 +103,8 @@ SurfacePoint RayShape::search(const Eye& eye, const Candidates& candidates, doub
     if (out.coverage > 0.98f) break;
     last = value;
   }
+  const float edge = std::clamp((out.coverage - kFaint) / (kSolid - kFaint), 0.f, 1.f);
+  out.coverage = edge * edge * (3 - 2 * edge);
   return out;
 }
 

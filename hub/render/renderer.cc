@@ -178,9 +178,17 @@ RenderResult Renderer::render(std::span<const codec::CameraView> views, const sc
   double unseen = 0;
   for (std::size_t i = 0; i < out.picture.size(); ++i) {
     const float open = 1 - people.coverage.data()[i];
-    const Eigen::Vector3f colour = people.colour.data()[i] + open * ground.colour.data()[i];
-    out.picture.data()[i] = {to_byte(colour[0]), to_byte(colour[1]), to_byte(colour[2]), 255};
+    Eigen::Vector3f& colour = ground.colour.data()[i];
+    colour = people.colour.data()[i] + open * colour;
+    float& distance = ground.distance.data()[i];
+    distance = std::min(distance, people.distance.data()[i]);
     unseen += static_cast<double>(open * (1 - ground.seen.data()[i]));
+  }
+  impl_->background.goals().paint(camera, impl_->background.cameras(), ground.distance,
+                                  ground.colour);
+  for (std::size_t i = 0; i < out.picture.size(); ++i) {
+    const Eigen::Vector3f& colour = ground.colour.data()[i];
+    out.picture.data()[i] = {to_byte(colour[0]), to_byte(colour[1]), to_byte(colour[2]), 255};
   }
   out.report.unseen_share =
       unseen / static_cast<double>(std::max<std::size_t>(1, out.picture.size()));
