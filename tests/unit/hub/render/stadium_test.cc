@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+#include <vector>
+
 #include "tests/unit/hub/render/textured_scene.h"
 
 namespace touchline::render {
@@ -50,6 +54,55 @@ TEST(Stadium, CornersBelongToTheNearerSide) {
     EXPECT_LE(std::abs(p.x()), 15 + 1e-6);
     EXPECT_LE(std::abs(p.y()), 12 + 1e-6);
   }
+}
+
+TEST(Stadium, TheSweepFindsWhereTheHoardingStands) {
+  StadiumOptions truth;
+  truth.margin_m = 7.5;
+  const pitch::PitchModel pitch = flat_pitch();
+  const Stadium built = default_stadium(pitch, truth);
+  std::map<base::CameraId, image::PlateSnapshot> plates;
+  const std::pair<const char*, double> cameras[] = {{"a", -9}, {"b", 1}, {"c", 10}};
+  for (const auto& [id, x] : cameras) {
+    const Eigen::Vector3d centre(x, -20, 6);
+    image::PlateSnapshot sphere;
+    sphere.radians_per_px = 1.0 / 500;
+    std::map<image::PlateTileKey, int> keys;
+    for (double along = -15; along <= 15; along += 0.25) {
+      for (double height = -1; height < 15; height += 0.5) {
+        const Eigen::Vector2d p = image::plate_from_direction(
+            sphere, Eigen::Vector3d(along, 16 + height, height) - centre);
+        keys[{static_cast<std::int32_t>(std::floor(p.x() / image::kPlateTileSize)),
+              static_cast<std::int32_t>(std::floor(p.y() / image::kPlateTileSize))}] = 1;
+      }
+    }
+    std::vector<image::PlateTileKey> list;
+    for (const auto& [key, one] : keys) list.push_back(key);
+    plates[{id}] = fill_plate(centre, sphere.radians_per_px, list,
+                              [&](const Eigen::Vector3d& direction, Eigen::Vector3d& rgb) {
+                                const auto hit = intersect(built, centre, direction);
+                                if (!hit || hit->side != PitchSide::kFar) return false;
+                                const Eigen::Vector3d p = centre + hit->distance * direction;
+                                const double wave = std::sin(2.3 * p.x() + 1.7 * p.z()) +
+                                                    std::sin(3.9 * p.x() - p.z()) +
+                                                    std::sin(1.1 * p.x() * p.x());
+                                rgb = Eigen::Vector3d::Constant(128 + 30 * wave);
+                                return true;
+                              });
+  }
+  const Stadium found = estimate_stadium(pitch, plates);
+  const StadiumSide& far = found.side(PitchSide::kFar);
+  EXPECT_TRUE(far.measured);
+  EXPECT_GT(far.agreement, 0.8);
+  EXPECT_NEAR(far.profile[0].outward_m, 7.5, 0.3);
+  for (const double tilt : {0.0, 0.3}) {
+    const auto a = intersect(found, {0, 0, 0.5}, {0, 1, tilt});
+    const auto b = intersect(built, {0, 0, 0.5}, {0, 1, tilt});
+    ASSERT_TRUE(a);
+    EXPECT_NEAR(a->distance, b->distance, tilt > 0 ? 1.0 : 0.3);
+  }
+  // Sides that no plate shows keep the default.
+  EXPECT_FALSE(found.side(PitchSide::kNear).measured);
 }
 
 TEST(Stadium, OptionsNameTheFieldThatIsOut) {
