@@ -12,6 +12,8 @@ namespace touchline::render {
 namespace {
 
 constexpr int kTile = image::kPlateTileSize;
+constexpr std::uint8_t kSeen = 255;
+constexpr std::uint8_t kGuessed = 1;
 
 std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(std::clamp(v + 0.5f, 0.f, 255.f));
@@ -86,14 +88,18 @@ void PlateTexture::convert(const image::PlateSnapshot& plate, const Eigen::Vecto
     Texel* target = tile(0, i);
     for (int y = 0; y < kTile; ++y) {
       for (int x = 0; x < kTile; ++x) {
-        if (source.count(x, y) == 0) continue;
+        // What a plate only interpolates gives colour where nothing better is known, and is no part
+        // of what it shows.
+        const bool seen = source.count(x, y) != 0;
+        if (!seen && (source.deviation[0].empty() || source.deviation[0](x, y) == 0)) continue;
         const auto rgb =
             image::ycbcr_to_rgb(static_cast<float>(source.mean[0](x, y)) / 16.f,
                                 static_cast<float>(source.mean[1](x, y)) / 16.f,
                                 static_cast<float>(source.mean[2](x, y)) / 16.f, plate.colour);
         target[y * (kTile + 1) + x] = {to_byte(rgb[0] * 255.f * static_cast<float>(gain[0])),
                                        to_byte(rgb[1] * 255.f * static_cast<float>(gain[1])),
-                                       to_byte(rgb[2] * 255.f * static_cast<float>(gain[2])), 255};
+                                       to_byte(rgb[2] * 255.f * static_cast<float>(gain[2])),
+                                       seen ? kSeen : kGuessed};
       }
     }
   });
