@@ -11,6 +11,7 @@ namespace touchline::render {
 namespace {
 
 constexpr int kCell = 16;           // pixels of the view that share a list of cameras
+constexpr double kGrazing = 0.06;   // sine of the angle to the turf below which nothing is taken
 constexpr float kDeadZone = 0.04f;  // noise of the ratio that is not shown
 
 // Part of the view in which a tile's turf may lie.
@@ -91,12 +92,17 @@ void cast_shadows(std::span<const SourceView> views, const pitch::PitchModel& pi
           if (!view.project(*turf, px, py)) continue;
           const SourceView::Shade s = view.shade(px, py);
           if (s.weight <= 0.01f) continue;
-          const double angle =
-              std::acos(std::clamp((*turf - view.position()).normalized().dot(ray), -1.0, 1.0));
-          const float w = s.weight * static_cast<float>(std::exp(-2 * angle / scale) + 1e-6);
+          const Eigen::Vector3d way = (*turf - view.position()).normalized();
+          // Along the turf a pixel smears over metres, people's feet included.
+          const auto steep =
+              static_cast<float>(std::clamp((-way.z() - kGrazing) / kGrazing, 0.0, 1.0));
+          if (steep <= 0) continue;
+          const double angle = std::acos(std::clamp(way.dot(ray), -1.0, 1.0));
+          const float w =
+              steep * s.weight * static_cast<float>(std::exp(-2 * angle / scale) + 1e-6);
           sum += w * s.factor;
           total += w;
-          most = std::max(most, s.weight);
+          most = std::max(most, steep * s.weight);
         }
         if (total <= 0) continue;
         const float factor = std::min(1.f, sum / total + kDeadZone);
