@@ -158,7 +158,10 @@ void SourceView::measure_shade(const PlateTexture& plate) {
   const int h = (model_.height + kShadeCell - 1) / kShadeCell;
   shade_ = image::Image<std::uint8_t>(w, h, 255);
   shade_weight_ = image::Image<std::uint8_t>(w, h, 0);
-  const image::Matte& matte = *view_->matte;
+  // People's outlines are mixed with what lies behind them, a little beyond the matte too.
+  image::Image<std::uint8_t> near_people(model_.width, model_.height);
+  cv::Mat wide(model_.height, model_.width, CV_8U, near_people.data());
+  cv::dilate(borrow(view_->matte->alpha), wide, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
   const double texels = 1 / (model_.fx * plate.radians_per_px());
   const auto span = static_cast<float>(kShadeCell * texels);
   for (int cy = 0; cy < h; ++cy) {
@@ -170,7 +173,7 @@ void SourceView::measure_shade(const PlateTexture& plate) {
         for (int x = cx * kShadeCell; x < std::min(model_.width, (cx + 1) * kShadeCell); ++x) {
           const Texel& t = raw_(x, y);
           if (t.a == 0) continue;
-          if (matte.alpha(x, y) > 8 || support_(x, y) > 200) continue;
+          if (near_people(x, y) > 8 || support_(x, y) > 200) continue;
           light += 0.2126 * t.r + 0.7152 * t.g + 0.0722 * t.b;
           fade = std::min(fade, static_cast<int>(t.a));
           ++n;
