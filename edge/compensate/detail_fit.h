@@ -1,14 +1,12 @@
-// Fits the boost to averaged edge profiles.
+// Fits the boost to edges.
 #pragma once
 
-#include <map>
+#include <span>
 
 #include "edge/compensate/detail_estimator.h"
 
 namespace touchline::compensate {
 
-state::DetailModel fit_detail(
-    const std::map<DetailEstimator::Class, DetailEstimator::Profile>& profiles,
-    const DetailOptions& options);
+state::DetailModel fit_detail(std::span<const EdgeProfile> edges, const DetailOptions& options);
 
 }  // namespace touchline::compensate

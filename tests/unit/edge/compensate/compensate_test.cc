@@ -115,7 +115,7 @@ TEST(DetailEstimator, FindsNoDetailWhereThereIsNone) {
     estimator.add(bars(1.5 - 0.02 * k, 10 + k).view());
   }
   const auto found = estimator.estimate();
-  EXPECT_GT(found.edges, 300);
+  EXPECT_GT(found.edges, 30);
   EXPECT_EQ(found.horizontal, (std::array<double, 2>{0, 0}));
   EXPECT_EQ(found.vertical, (std::array<double, 2>{0, 0}));
 }
