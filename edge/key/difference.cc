@@ -7,10 +7,12 @@
 namespace touchline::key {
 namespace {
 
-constexpr float kChromaNoise = 0.6f;    // of the luma noise
-constexpr float kEdgeCodes = 24;        // plate edges steeper than this a pixel are searched along
-constexpr float kEdgeRange = 80;        // code values in 3x3 pixels of the plate that make an edge
-constexpr float kRangeShare = 0.1f;     // of that range, by which a plate is blurred or displaced
+constexpr float kChromaNoise = 0.6f;  // of the luma noise
+constexpr float kEdgeCodes = 24;      // plate edges steeper than this a pixel are searched along
+constexpr float kEdgeRange = 80;      // code values in 3x3 pixels of the plate that make an edge
+constexpr float kRangeShare = 0.1f;   // of that range, by which a plate is blurred or displaced
+constexpr float kHaloShare = 0.03f;   // of that range, by which a pixel leaves the plate's extremes
+constexpr float kTurfSpread = 1.5f;   // turf's deviation counts up to so many times its median
 constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
 constexpr float kNoTurfDeviation = 24;  // code values, where turf's colour is all there is
 
@@ -19,8 +21,9 @@ struct RowBuffers {
   std::vector<float> by, bcb, bcr;             // background
   std::vector<float> wy, wc;                   // 1 / variance
   std::vector<float> low, high, slack, paler;  // Light
+  std::vector<float> cap_y, cap_c;             // greatest deviation believed
   std::vector<float> d;
-  std::vector<float> range;  // of the plate's luma round the pixel
+  std::vector<float> least, most;  // of the plate's luma round the pixel
   explicit RowBuffers(std::size_t n)
       : y(n),
         cb(n),
@@ -34,8 +37,11 @@ struct RowBuffers {
         high(n),
         slack(n),
         paler(n),
+        cap_y(n),
+        cap_c(n),
         d(n),
-        range(n) {}
+        least(n),
+        most(n) {}
 };
 
 // How light may change what a background pixel shows.
@@ -60,20 +66,50 @@ inline float residual(float y, float cb, float cr, float by, float bcb, float bc
   return wy * ry * ry + wc * (rb * rb + rr * rr);
 }
 
-// Greatest minus least luma of the plate in 3x3 pixels; 0 where a part is missing.
-void luma_range(const image::Image<std::uint16_t>& luma, int y, std::vector<float>& out) {
+// Greatest and least luma of the plate in 3x3 pixels, less black; both 0 where a part is missing.
+void luma_extremes(const image::Image<std::uint16_t>& luma, int y, std::vector<float>& least,
+                   std::vector<float>& most) {
   const int w = luma.width();
   const std::uint16_t* a = luma.row(std::max(0, y - 1));
   const std::uint16_t* b = luma.row(y);
   const std::uint16_t* c = luma.row(std::min(luma.height() - 1, y + 1));
-  std::fill(out.begin(), out.end(), 0.f);
+  std::fill(least.begin(), least.end(), 0.f);
+  std::fill(most.begin(), most.end(), 0.f);
   for (int x = 1; x + 1 < w; ++x) {
     const std::uint16_t low =
         std::min({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
     const std::uint16_t high =
         std::max({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
-    out[static_cast<std::size_t>(x)] = low ? static_cast<float>(high - low) * 0.0625f : 0.f;
+    least[static_cast<std::size_t>(x)] = low ? low * 0.0625f - 64.f : 0.f;
+    most[static_cast<std::size_t>(x)] = low ? high * 0.0625f - 64.f : 0.f;
   }
+}
+
+// The deviation turf has in this plate. People who pass widen it where they do, which must not hide
+// the next one.
+struct TurfSpread {
+  float luma, chroma;  // greatest believed
+};
+
+TurfSpread turf_spread(const WarpedPlate& plate, const FrameGrid& grid, const KeyOptions& options) {
+  std::vector<std::uint16_t> luma;
+  std::vector<std::uint16_t> chroma;
+  for (int j = 0; j < grid.rows; ++j)
+    for (int i = 0; i < grid.columns; ++i) {
+      const int x = i * kCell;
+      const int y = j * kCell;
+      if (!grid.on_turf[grid.index(i, j)] || !plate.y.contains(x, y) || plate.y(x, y) == 0)
+        continue;
+      luma.push_back(plate.luma_deviation(x, y));
+      chroma.push_back(plate.chroma_deviation(x, y));
+    }
+  const auto cap = [](std::vector<std::uint16_t>& v, double least) {
+    if (v.empty()) return kTurfSpread * static_cast<float>(least);
+    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::nth_element(v.begin(), middle, v.end());
+    return kTurfSpread * std::max(*middle * 0.0625f, static_cast<float>(least));
+  };
+  return {cap(luma, options.noise_codes), cap(chroma, kChromaNoise * options.noise_codes)};
 }
 
 }  // namespace
@@ -157,6 +193,7 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
   const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
   const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
   const auto weak = static_cast<float>(options.weak_sigma * options.weak_sigma);
+  const TurfSpread spread = turf_spread(plate, grid, options);
   RowBuffers row(static_cast<std::size_t>(width));
 
   for (int y = 0; y < height; ++y) {
@@ -180,11 +217,13 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
         row.high[k] = light.high;
         row.slack[k] = light.slack;
         row.paler[k] = light.paler;
+        row.cap_y[k] = on_turf ? spread.luma : 4096.f;
+        row.cap_c[k] = on_turf ? spread.chroma : 4096.f;
         known[x] = !in ? 0 : plate.y(x, y) ? 1 : on_turf && turf.y > 0 ? 2 : 0;
       }
     }
     const std::uint16_t* py = plate.y.row(y);
-    luma_range(plate.y, y, row.range);
+    luma_extremes(plate.y, y, row.least, row.most);
     const std::uint16_t* pb = plate.cb.row(y);
     const std::uint16_t* pr = plate.cr.row(y);
     const std::uint16_t* sy = plate.luma_deviation.row(y);
@@ -195,11 +234,13 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
       row.by[k] = have ? py[x] * 0.0625f - 64.f : turf.y;
       row.bcb[k] = have ? pb[x] * 0.0625f - 512.f : turf.cb;
       row.bcr[k] = have ? pr[x] * 0.0625f - 512.f : turf.cr;
-      const float range = have ? row.range[k] : 0.f;
+      const float range = have ? row.most[k] - row.least[k] : 0.f;
       out.edge.row(y)[x] = range > kEdgeRange;
       const float blur = kRangeShare * range;
-      const float dy = have ? sy[x] * 0.0625f : 1.5f * kNoTurfDeviation;
-      const float dc = have ? sc[x] * 0.0625f : 0.5f * kNoTurfDeviation;
+      // Turf that the plate has filled in says so by one deviation for luma and chroma.
+      if (sy[x] == sc[x]) row.cap_y[k] = row.cap_c[k] = 4096.f;
+      const float dy = have ? std::min(sy[x] * 0.0625f, row.cap_y[k]) : 1.5f * kNoTurfDeviation;
+      const float dc = have ? std::min(sc[x] * 0.0625f, row.cap_c[k]) : 0.5f * kNoTurfDeviation;
       row.wy[k] = 1.f / (luma_noise + dy * dy + blur * blur);
       row.wc[k] = 1.f / (chroma_noise + dc * dc + kChromaOfRange * blur * blur);
       row.cb[k] -= 512.f;
@@ -241,6 +282,18 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, const
           }
         row.d[k] = best;
       }
+    }
+    // A blurred or displaced edge is no darker than the darkest, no brighter than the brightest
+    // there.
+    for (int x = 0; x < width; ++x) {
+      const auto k = static_cast<std::size_t>(x);
+      const float range = row.most[k] - row.least[k];
+      const float halo = kHaloShare * range;
+      const float beyond = std::max(
+          {0.f, row.low[k] * row.least[k] - row.y[k], row.y[k] - row.high[k] * row.most[k]});
+      const float dy = std::min(sy[x] * 0.0625f, row.cap_y[k]);
+      const float d = beyond * beyond / (luma_noise + dy * dy + halo * halo);
+      row.d[k] = row.most[k] > 0 ? std::max(row.d[k], d) : row.d[k];
     }
     std::uint8_t* distance = out.distance.row(y);
     for (int x = 0; x < width; ++x) {
