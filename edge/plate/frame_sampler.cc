@@ -1,11 +1,13 @@
 #include "edge/plate/frame_sampler.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
-#include <set>
 
 namespace touchline::plate {
 namespace {
@@ -72,15 +74,144 @@ inline float bicubic(const Plane& p, float x, float y) {
   return std::clamp(sum, 0.f, 1023.f);
 }
 
+// Eight positions at a time. A 32-bit load at a sample holds it and its right neighbour.
+constexpr int kLanes = 8;
+
+__m256i pairs_at(const Plane& p, __m256i at) {
+  return _mm256_i32gather_epi32(reinterpret_cast<const int*>(p.data), at, 2);
+}
+__m256i joined(__m256i low, __m256i high) {
+  return _mm256_or_si256(_mm256_and_si256(low, _mm256_set1_epi32(0xffff)),
+                         _mm256_slli_epi32(high, 16));
+}
+__m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
+__m256 all(float v) { return _mm256_set1_ps(v); }
+
+// As bicubic(), with weights in 1/8192; positions at least a sample inside, two at right and
+// bottom.
+__m256 bicubic8(const Plane& p, __m256 x, __m256 y) {
+  const __m256i ix = _mm256_cvttps_epi32(x);
+  const __m256i iy = _mm256_cvttps_epi32(y);
+  const __m256 fx = _mm256_sub_ps(x, _mm256_cvtepi32_ps(ix));
+  const __m256 fy = _mm256_sub_ps(y, _mm256_cvtepi32_ps(iy));
+  struct Weights {
+    __m256 before, next, last;  // the second is what they lack of 1
+  };
+  const auto weights = [](__m256 f) {
+    const __m256 half = all(0.5f);
+    const __m256 f2 = times(f, f);
+    const __m256 before =
+        times(f, _mm256_fmadd_ps(f, _mm256_fnmadd_ps(half, f, all(1.f)), all(-0.5f)));
+    const __m256 next =
+        times(f, _mm256_fmadd_ps(f, _mm256_fnmadd_ps(all(1.5f), f, all(2.f)), half));
+    return Weights{before, next, times(times(half, f2), _mm256_sub_ps(f, all(1.f)))};
+  };
+  const Weights wx = weights(fx);
+  const Weights wy = weights(fy);
+  const __m256 scale = all(8192.f);
+  const __m256i a = _mm256_cvtps_epi32(times(wx.before, scale));
+  const __m256i c = _mm256_cvtps_epi32(times(wx.next, scale));
+  const __m256i d = _mm256_cvtps_epi32(times(wx.last, scale));
+  const __m256i b =
+      _mm256_sub_epi32(_mm256_set1_epi32(8192), _mm256_add_epi32(a, _mm256_add_epi32(c, d)));
+  const __m256i left = joined(a, b);
+  const __m256i right = joined(c, d);
+  const __m256 second =
+      _mm256_sub_ps(all(1.f), _mm256_add_ps(wy.before, _mm256_add_ps(wy.next, wy.last)));
+  const __m256 rows[4] = {wy.before, second, wy.next, wy.last};
+  const __m256i stride = _mm256_set1_epi32(static_cast<int>(p.stride));
+  __m256i at =
+      _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(iy, _mm256_set1_epi32(1)), stride),
+                       _mm256_sub_epi32(ix, _mm256_set1_epi32(1)));
+  __m256 sum = _mm256_setzero_ps();
+  for (const __m256& row : rows) {
+    const __m256i across = _mm256_add_epi32(
+        _mm256_madd_epi16(pairs_at(p, at), left),
+        _mm256_madd_epi16(pairs_at(p, _mm256_add_epi32(at, _mm256_set1_epi32(2))), right));
+    sum = _mm256_fmadd_ps(row, _mm256_cvtepi32_ps(across), sum);
+    at = _mm256_add_epi32(at, stride);
+  }
+  sum = times(sum, all(1.f / 8192));
+  return _mm256_min_ps(_mm256_max_ps(sum, _mm256_setzero_ps()), all(1023.f));
+}
+
+// Where bilinear() looks, for both planes of chroma.
+struct ChromaPlaces {
+  __m256i at;
+  __m256i across;  // weights in 1/8192
+  __m256 down;
+
+  ChromaPlaces(const Plane& p, __m256 x, __m256 y) {
+    const __m256 px = times(x, all(p.scale_x));
+    const __m256 py =
+        _mm256_max_ps(_mm256_fmadd_ps(y, all(p.scale_y), all(p.shift_y)), _mm256_setzero_ps());
+    const __m256i ix = _mm256_cvttps_epi32(px);
+    const __m256i iy = _mm256_cvttps_epi32(py);
+    const __m256i f =
+        _mm256_cvtps_epi32(times(_mm256_sub_ps(px, _mm256_cvtepi32_ps(ix)), all(8192.f)));
+    across = joined(_mm256_sub_epi32(_mm256_set1_epi32(8192), f), f);
+    down = _mm256_sub_ps(py, _mm256_cvtepi32_ps(iy));
+    at =
+        _mm256_add_epi32(_mm256_mullo_epi32(iy, _mm256_set1_epi32(static_cast<int>(p.stride))), ix);
+  }
+  __m256 value(const Plane& p) const {
+    const __m256 top = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p, at), across));
+    const __m256i below = _mm256_add_epi32(at, _mm256_set1_epi32(static_cast<int>(p.stride)));
+    const __m256 bottom = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p, below), across));
+    return times(_mm256_fmadd_ps(down, _mm256_sub_ps(bottom, top), top), all(1.f / 8192));
+  }
+};
+
+// Rounded to the nearest, half upwards.
+void store8(__m256 values, std::uint16_t* to) {
+  const __m256i whole = _mm256_cvttps_epi32(_mm256_add_ps(values, all(0.5f)));
+  const __m256i packed = _mm256_permute4x64_epi64(_mm256_packus_epi32(whole, whole), 0x08);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(packed));
+}
+
+// Asks for samples that a row below will need: rows are too far apart for the processor to guess.
+constexpr float kAhead = 8;
+void fetch(const Plane& p, float x, float y) {
+  const int ix = std::clamp(static_cast<int>(x * p.scale_x), 0, p.width - 1);
+  const int iy = std::clamp(static_cast<int>(y * p.scale_y), 0, p.height - 1);
+  _mm_prefetch(reinterpret_cast<const char*>(p.data + iy * p.stride + ix), _MM_HINT_T0);
+}
+
+bool between(float a, float b, float low, float high) {
+  return std::min(a, b) >= low && std::max(a, b) <= high;
+}
+
+Eigen::Vector2d tile_corner(const image::PlateTileKey& key) {
+  return {static_cast<double>(image::kPlateTileSize) * key.column,
+          static_cast<double>(image::kPlateTileSize) * key.row};
+}
+
 }  // namespace
+
+std::uint64_t nodes_in_view(const image::PlateSnapshot& sphere, const image::PlateTileKey& key,
+                            const geometry::CameraEstimate& camera, double margin_px) {
+  std::uint64_t nodes = 0;
+  for (int i = 0; i < kViewNodes * kViewNodes; ++i) {
+    const Eigen::Vector2d place(i % kViewNodes, i / kViewNodes);
+    const auto pixel = camera.model.project(
+        camera.cam_from_world.rotation *
+        image::direction_from_plate(
+            sphere, tile_corner(key) + place * (image::kPlateTileSize / (kViewNodes - 1.0))));
+    if (pixel && pixel->x() >= -margin_px && pixel->y() >= -margin_px &&
+        pixel->x() <= camera.model.width - 1 + margin_px &&
+        pixel->y() <= camera.model.height - 1 + margin_px)
+      nodes |= std::uint64_t{1} << i;
+  }
+  return nodes;
+}
 
 std::vector<image::PlateTileKey> touched_tiles(const image::PlateSnapshot& sphere,
                                                const geometry::CameraEstimate& camera, int most) {
-  constexpr int kPixels = 32;
+  constexpr int kPixels = 64;
   const double turn = std::numbers::pi / sphere.radians_per_px;
   // Plate pixels between two of the rays below, with room for distortion.
-  const double reach = 1.5 * kPixels / (camera.model.fx * sphere.radians_per_px);
-  std::set<image::PlateTileKey> keys;
+  const double reach = 0.75 * kPixels / (camera.model.fx * sphere.radians_per_px);
+  std::vector<image::PlateTileKey> keys;
   for (int y = 0; y < camera.model.height + kPixels; y += kPixels)
     for (int x = 0; x < camera.model.width + kPixels; x += kPixels) {
       const Eigen::Vector2d pixel(std::min(x, camera.model.width - 1),
@@ -92,13 +223,15 @@ std::vector<image::PlateTileKey> touched_tiles(const image::PlateSnapshot& spher
           double u = p.x() + dx;
           if (u > turn) u -= 2 * turn;
           if (u < -turn) u += 2 * turn;
-          keys.insert(
-              {static_cast<std::int32_t>(std::floor(u / image::kPlateTileSize)),
-               static_cast<std::int32_t>(std::floor((p.y() + dy) / image::kPlateTileSize))});
+          const image::PlateTileKey key{
+              static_cast<std::int32_t>(std::floor(u / image::kPlateTileSize)),
+              static_cast<std::int32_t>(std::floor((p.y() + dy) / image::kPlateTileSize))};
+          if (std::find(keys.rbegin(), keys.rend(), key) == keys.rend()) keys.push_back(key);
         }
       if (static_cast<int>(keys.size()) > most) return {};
     }
-  return {keys.begin(), keys.end()};
+  std::sort(keys.begin(), keys.end());
+  return keys;
 }
 
 void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& key, int apron,
@@ -132,6 +265,7 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
   const Plane blue = plane(frame, 1);
   const Plane red = plane(frame, 2);
   const auto low = static_cast<float>(border);
+  const float first = std::max(low, 1.f);
   const float right = static_cast<float>(frame.width() - 1 - border) - 0.001f;
   const float bottom = static_cast<float>(frame.height() - 1 - border) - 0.001f;
   for (int y = 0; y < size; ++y) {
@@ -150,9 +284,29 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
       const float dx = (xb - xa) / kStep;
       const float dy = (yb - ya) / kStep;
       const int end = std::min(kStep, size - i * kStep);
+      fetch(luma, xa, ya + kAhead);
+      fetch(blue, xa, ya + kAhead);
+      fetch(red, xa, ya + kAhead);
       const auto start = static_cast<std::size_t>(y) * static_cast<std::size_t>(size) +
                          static_cast<std::size_t>(i * kStep);
-      for (int k = 0; k < end; ++k) {
+      int k = 0;
+      if (between(xa, xb, first, right - 2) && between(ya, yb, first, bottom - 2)) {
+        const __m256 lanes = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+        for (; k + kLanes <= end; k += kLanes) {
+          const __m256 along = _mm256_add_ps(lanes, all(static_cast<float>(k)));
+          const __m256 px = _mm256_fmadd_ps(along, all(dx), all(xa));
+          const __m256 py = _mm256_fmadd_ps(along, all(dy), all(ya));
+          const auto at = start + static_cast<std::size_t>(k);
+          const __m256 value = bicubic8(luma, px, py);
+          store8(_mm256_add_ps(value, value), &out.y[at]);
+          const ChromaPlaces chroma(blue, px, py);
+          store8(chroma.value(blue), &out.cb[at]);
+          store8(chroma.value(red), &out.cr[at]);
+          std::memset(&out.inside[at], 1, kLanes);
+          out.seen += kLanes;
+        }
+      }
+      for (; k < end; ++k) {
         const float px = xa + dx * static_cast<float>(k);
         const float py = ya + dy * static_cast<float>(k);
         if (!(px >= low && px <= right && py >= low && py <= bottom)) continue;

@@ -23,6 +23,12 @@ struct TileSamples {
 std::vector<image::PlateTileKey> touched_tiles(const image::PlateSnapshot& sphere,
                                                const geometry::CameraEstimate& camera, int most);
 
+// Nodes of a lattice over the tile, both edges included, that a camera shows within `margin_px` of
+// its picture: bit j * kViewNodes + i.
+inline constexpr int kViewNodes = 8;
+std::uint64_t nodes_in_view(const image::PlateSnapshot& sphere, const image::PlateTileKey& key,
+                            const geometry::CameraEstimate& camera, double margin_px);
+
 // Luma by Catmull-Rom, chroma bilinear; positions are computed every 16 plate pixels and
 // interpolated between. Positions less than `border` pixels from the frame's edge count as outside.
 void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& key, int apron,

@@ -4,12 +4,15 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "edge/plate/acceptance.h"
 #include "edge/plate/frame_sampler.h"
+#include "edge/plate/running_mean.h"
 #include "edge/plate/sample_stack.h"
 #include "edge/plate/still_seed.h"
 #include "edge/plate/turf_colour.h"
@@ -20,12 +23,10 @@ namespace touchline::plate {
 namespace {
 
 constexpr int kSize = image::kPlateTileSize;
-constexpr int kApron = 12;
 constexpr int kWide = kSize + 2 * kApron;
-constexpr int kRejectReach = 3;  // pixels round a person that are not learnt either
-constexpr int kDoubtReach = 12;  // pixels round a person where doubtful colours are not learnt
-constexpr int kFrameBorder = 0;  // pixels at the frame's edge that are not learnt
-constexpr int kFillApron = 64;   // pixels of the neighbouring tiles that turf is interpolated from
+constexpr int kFrameBorder = 0;     // pixels at the frame's edge that are not learnt
+constexpr int kFillReach = 64;      // pixels round a hole that turf is interpolated from
+constexpr int kRefitVersions = 20;  // versions after which stills are fitted to the video anew
 
 std::size_t wide_index(int x, int y) {
   return static_cast<std::size_t>(y + kApron) * kWide + static_cast<std::size_t>(x + kApron);
@@ -57,28 +58,6 @@ base::Status in_bounds(const char* field, T value, T low, T high) {
                     fmt::format("{} is outside {}..{}", value, low, high), "correct the value");
 }
 
-// 1 within `reach` pixels (a square) of a 1.
-void widen(const std::vector<std::uint8_t>& in, int reach, std::vector<std::uint8_t>& across,
-           std::vector<std::uint8_t>& out) {
-  across = in;
-  for (int y = 0; y < kWide; ++y) {
-    const std::uint8_t* from = &in[static_cast<std::size_t>(y) * kWide];
-    std::uint8_t* to = &across[static_cast<std::size_t>(y) * kWide];
-    for (int k = 1; k <= reach; ++k) {
-      for (int x = 0; x + k < kWide; ++x) to[x] |= from[x + k];
-      for (int x = k; x < kWide; ++x) to[x] |= from[x - k];
-    }
-  }
-  out = across;
-  for (int y = 0; y < kWide; ++y) {
-    std::uint8_t* to = &out[static_cast<std::size_t>(y) * kWide];
-    for (int v = std::max(0, y - reach); v <= std::min(kWide - 1, y + reach); ++v) {
-      const std::uint8_t* from = &across[static_cast<std::size_t>(v) * kWide];
-      for (int x = 0; x < kWide; ++x) to[x] |= from[x];
-    }
-  }
-}
-
 struct TileState {
   std::vector<std::uint8_t> zones;  // with apron
   std::vector<std::uint8_t> seen = std::vector<std::uint8_t>(kSize * kSize, 0);
@@ -86,7 +65,11 @@ struct TileState {
   std::optional<SampleStack> learning;
   image::PlateTile tile;
   std::uint64_t last_seen = 0;
-  bool changed = false;  // since the median was taken
+  std::uint64_t nodes = 0;  // of nodes_in_view(), those that a sample was taken of
+  int frames = 0;           // it was in view
+  int sampled_at = -1;      // number of the latest frame that was sampled
+  bool changed = false;     // since it was last compared with what is published
+  bool stale = false;       // what is published is to be made anew
 };
 
 }  // namespace
@@ -115,23 +98,31 @@ struct PlateBuilder::State {
   TurfColour turf;
   StillSeed stills;
   std::map<image::PlateTileKey, TileState> tiles;
-  std::shared_ptr<const image::PlateSnapshot> current;
+  std::shared_ptr<image::PlateSnapshot> current;
   int frames = 0;
   int frames_at_publish = -1;
   bool seeds_changed = false;
   TileSamples samples;
-  std::vector<std::uint8_t> accepted;  // of `samples`: 1 = may be learnt, with apron
-  std::vector<std::uint8_t> foreign, body, near_body, around_body, scratch;
+  Acceptance acceptance;
+  StillFit fit;
+  bool fitted = false;
+  std::uint32_t fitted_at = 0;  // version
 
   TileState& tile(const image::PlateTileKey& key);
   void drop_oldest();
   void observe_turf(const image::Frame& frame, const geometry::CameraEstimate& camera);
-  void classify(const TileState& t);
-  void learn(TileState& t, std::vector<std::uint32_t>& layer);
-  void follow(TileState& t);
-  void take_medians();
-  void apply_seeds(image::PlateSnapshot& out);
+  bool due(const image::PlateTileKey& key, const TileState& t, std::uint64_t nodes,
+           int number) const;
+  int spacing_of(const TileState& t) const;
+  void learn(TileState& t, const std::vector<std::uint8_t>& accepted, int number);
+  void note_seen(TileState& t) const;
+  bool take_medians();
+  void find_stale();
+  void look_up_seeds();
+  void fit_seeds(bool learnt);
+  void apply_seeds(const TileState& t, image::PlateTile& out) const;
   void fill(const image::PlateTileKey& key, const TileState& t, image::PlateTile& out) const;
+  image::PlateSnapshot& next_snapshot();
 };
 
 TileState& PlateBuilder::State::tile(const image::PlateTileKey& key) {
@@ -173,217 +164,227 @@ void PlateBuilder::State::observe_turf(const image::Frame& frame,
   turf.update();
 }
 
-// Marks which samples may be learnt: off the turf all, on it turf and paint that are not close to
-// anything else, and what may be bare ground where nobody is near.
-void PlateBuilder::State::classify(const TileState& t) {
-  const std::size_t area = t.zones.size();
-  accepted.assign(area, 0);
-  foreign.assign(area, 0);
-  for (std::size_t i = 0; i < area; ++i) {
-    if (!samples.inside[i]) continue;
-    const std::uint8_t zone = t.zones[i];
-    if (zone == 0) {
-      accepted[i] = 1;
-      continue;
-    }
-    if (!turf.ready()) {
-      foreign[i] = 1;
-      continue;
-    }
-    const float y = 0.5f * static_cast<float>(samples.y[i]);
-    const float cb = samples.cb[i];
-    const float cr = samples.cr[i];
-    const bool paint_may_be = zone & (kPaintBand | kPerhapsTurf);
-    if (paint_may_be ? turf.is_painted(y, cb, cr) : turf.is_turf(y, cb, cr))
-      accepted[i] = 1;
-    else if (turf.is_doubtful(y, cb, cr))
-      accepted[i] = 2;
-    else
-      foreign[i] = 1;
-  }
-  // Single pixels are noise; three in a neighbourhood are a person, whose rim is mixed with turf.
-  body.assign(area, 0);
-  bool anybody = false;
-  for (int y = 1; y + 1 < kWide; ++y)
-    for (int x = 1; x + 1 < kWide; ++x) {
-      const auto i = static_cast<std::size_t>(y) * kWide + static_cast<std::size_t>(x);
-      const auto* a = &foreign[i - kWide - 1];
-      const auto* b = &foreign[i - 1];
-      const auto* c = &foreign[i + kWide - 1];
-      const int sum = a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + c[0] + c[1] + c[2];
-      body[i] = sum >= 3 && b[1];
-      anybody = anybody || body[i];
-    }
-  if (!anybody) {
-    for (auto& a : accepted) a = a != 0;
-    return;
-  }
-  widen(body, kRejectReach, scratch, near_body);
-  widen(body, kDoubtReach, scratch, around_body);
-  for (std::size_t i = 0; i < area; ++i) {
-    if (t.zones[i] && (near_body[i] || (accepted[i] == 2 && around_body[i]))) accepted[i] = 0;
-    if (accepted[i]) accepted[i] = 1;
+// Frames between two samples of a tile that is learnt: fewer at first, so that a median soon has
+// enough to go by.
+int PlateBuilder::State::spacing_of(const TileState& t) const {
+  const int spacing = (options.learn_frames + options.samples - 1) / options.samples;
+  return t.frames <= options.samples ? std::min(spacing, 2) : spacing;
+}
+
+// A tile is sampled when it comes into view, when more of it does, and then every few frames; each
+// tile has its turn, so that no frame costs much more than another.
+bool PlateBuilder::State::due(const image::PlateTileKey& key, const TileState& t,
+                              std::uint64_t nodes, int number) const {
+  if (t.sampled_at < 0 || (nodes & ~t.nodes) != 0) return true;
+  if (t.learning && t.frames > options.learn_frames) return false;
+  const int spacing = t.learning ? spacing_of(t) : options.update_every;
+  const int turn = (key.column + 2 * key.row) % spacing;
+  return (number + turn + spacing) % spacing == 0 && 2 * (number - t.sampled_at) >= spacing;
+}
+
+void PlateBuilder::State::note_seen(TileState& t) const {
+  for (int y = 0; y < kSize; ++y) {
+    const std::uint8_t* inside = &samples.inside[wide_index(0, y)];
+    std::uint8_t* seen = &t.seen[tile_index(0, y)];
+    for (int x = 0; x < kSize; ++x) seen[x] |= inside[x];
   }
 }
 
-void PlateBuilder::State::learn(TileState& t, std::vector<std::uint32_t>& layer) {
-  for (int y = 0; y < kSize; ++y)
+void PlateBuilder::State::learn(TileState& t, const std::vector<std::uint8_t>& accepted,
+                                int number) {
+  std::vector<std::uint32_t>& layer = t.learning->next_layer(number, spacing_of(t));
+  for (int y = 0; y < kSize; ++y) {
+    const std::size_t w = wide_index(0, y);
+    const std::uint8_t* inside = &samples.inside[w];
+    const std::uint8_t* ok = &accepted[w];
+    const std::uint8_t* zones = &t.zones[w];
+    const std::uint16_t* luma = &samples.y[w];
+    const std::uint16_t* cb = &samples.cb[w];
+    const std::uint16_t* cr = &samples.cr[w];
+    std::uint32_t* to = &layer[tile_index(0, y)];
     for (int x = 0; x < kSize; ++x) {
-      const std::size_t w = wide_index(x, y);
-      if (!samples.inside[w]) continue;
-      const std::size_t i = tile_index(x, y);
-      t.seen[i] = 1;
-      const bool ok = accepted[w];
-      if (!ok && !(t.zones[w] & kPerhapsTurf)) continue;
-      layer[i] = pack_sample(samples.y[w], samples.cb[w], samples.cr[w], ok);
+      const bool keep = inside[x] && (ok[x] || (zones[x] & kPerhapsTurf));
+      const std::uint32_t sample = pack_sample(luma[x], cb[x], cr[x], ok[x] != 0);
+      to[x] = keep ? sample : 0U;
     }
-  t.changed = true;
+  }
 }
 
-// The running mean and deviation. A step is bounded by two deviations, so that the mean follows the
-// median: light that changes is followed, who walks by is not.
-void PlateBuilder::State::follow(TileState& t) {
-  const double noise = options.noise_codes * 16;
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
-      const std::size_t w = wide_index(x, y);
-      if (!samples.inside[w]) continue;
-      t.seen[tile_index(x, y)] = 1;
-      if (!accepted[w]) continue;
-      const std::array<int, 3> value{samples.y[w] * 8, samples.cb[w] * 16, samples.cr[w] * 16};
-      auto& count = t.tile.count(x, y);
-      if (count == 0) {
-        for (std::size_t c = 0; c < 3; ++c) {
-          t.tile.mean[c](x, y) = static_cast<std::uint16_t>(value[c]);
-          t.tile.deviation[c](x, y) = static_cast<std::uint16_t>(options.filled_codes * 16);
-        }
-        count = 1;
-        continue;
-      }
-      const double rate = std::max(options.update_rate, 1.0 / (count + 1.0));
-      for (std::size_t c = 0; c < 3; ++c) {
-        auto& mean = t.tile.mean[c](x, y);
-        auto& deviation = t.tile.deviation[c](x, y);
-        const double limit = 2.0 * deviation;
-        const double step = std::clamp(static_cast<double>(value[c] - mean), -limit, limit);
-        mean = static_cast<std::uint16_t>(std::lround(mean + rate * step));
-        const double spread = deviation + rate * (1.25 * std::abs(step) - deviation);
-        deviation = static_cast<std::uint16_t>(std::lround(std::max(spread, noise)));
-      }
-      if (count < 255) ++count;
-    }
-  t.changed = true;
-}
-
-void PlateBuilder::State::take_medians() {
+// True when any tile had one.
+bool PlateBuilder::State::take_medians() {
+  bool any = false;
   std::vector<std::uint8_t> prefer(static_cast<std::size_t>(kSize) * kSize);
   for (auto& [key, t] : tiles) {
-    if (!t.learning || !t.changed) continue;
-    for (int y = 0; y < kSize; ++y)
-      for (int x = 0; x < kSize; ++x)
-        prefer[tile_index(x, y)] = t.zones[wide_index(x, y)] & kPerhapsTurf;
-    t.learning->median(prefer, options.noise_codes, t.tile);
+    if (!t.learning) continue;
+    if (t.changed) {
+      for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x)
+          prefer[tile_index(x, y)] = t.zones[wide_index(x, y)] & kPerhapsTurf;
+      t.learning->median(prefer, options.noise_codes, t.tile);
+      t.changed = false;
+      t.stale = any = true;
+      // Turf of the neighbours is interpolated from this.
+      for (int row = -1; row <= 1; ++row)
+        for (int column = -1; column <= 1; ++column) {
+          const auto near = tiles.find({key.column + column, key.row + row});
+          if (near != tiles.end()) near->second.stale = true;
+        }
+    }
+    if (t.frames >= options.learn_frames) t.learning.reset();
+  }
+  return any;
+}
+
+// Tiles whose running mean left what is published.
+void PlateBuilder::State::find_stale() {
+  for (auto& [key, t] : tiles) {
+    if (!t.changed) continue;
+    const auto published =
+        current ? current->tiles.find(key) : decltype(current->tiles.find(key)){};
+    t.stale = t.stale || !current || published == current->tiles.end() ||
+              differs(published->second, t.tile);
     t.changed = false;
-    if (t.learning->frames() >= options.learn_frames) t.learning.reset();
   }
 }
 
-void PlateBuilder::State::apply_seeds(image::PlateSnapshot& out) {
+void PlateBuilder::State::look_up_seeds() {
   if (stills.empty()) return;
-  StillFit fit;
   for (auto& [key, t] : tiles) {
-    if (t.seed.empty() || seeds_changed) {
-      t.seed = stills.look_up(sphere, key);
-      for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x)
-          if (!(t.zones[wide_index(x, y)] & (kTurf | kOccluder))) t.seed[tile_index(x, y)] = 0;
+    if (t.tile.count.empty() || (!t.seed.empty() && !seeds_changed)) continue;
+    std::uint8_t zoned = 0;
+    for (const std::uint8_t zone : t.zones) zoned |= zone & (kTurf | kOccluder);
+    if (!zoned) {
+      t.seed.assign(static_cast<std::size_t>(kSize) * kSize, 0U);
+      continue;
     }
+    t.seed = stills.look_up(sphere, key);
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x)
+        if (!(t.zones[wide_index(x, y)] & (kTurf | kOccluder))) t.seed[tile_index(x, y)] = 0;
+  }
+}
+
+void PlateBuilder::State::fit_seeds(bool learnt) {
+  const std::uint32_t version = current ? current->version : 0;
+  if (stills.empty() || !(learnt || seeds_changed || version >= fitted_at + kRefitVersions)) return;
+  fit = {};
+  for (const auto& [key, t] : tiles) {
+    if (t.seed.empty() || t.tile.count.empty()) continue;
     for (int y = 4; y < kSize; y += 8)
       for (int x = 4; x < kSize; x += 8)
-        if (t.seed[tile_index(x, y)] && !t.tile.count.empty() && t.tile.count(x, y) >= 3)
+        if (t.seed[tile_index(x, y)] && t.tile.count(x, y) >= 3)
           fit.add(t.seed[tile_index(x, y)],
                   {t.tile.mean[0](x, y) / 16.f, t.tile.mean[1](x, y) / 16.f,
                    t.tile.mean[2](x, y) / 16.f});
   }
-  seeds_changed = false;
-  if (!fit.solve()) return;
+  fitted = fit.solve();
+  fitted_at = version;
+}
+
+void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile) const {
+  if (!fitted || t.seed.empty()) return;
   const auto deviation =
       static_cast<std::uint16_t>(16 * std::max(2.0 * fit.rms(), 2 * options.noise_codes));
-  for (auto& [key, t] : tiles) {
-    image::PlateTile& tile = out.tiles[key];
-    if (tile.count.empty()) continue;
-    for (int y = 0; y < kSize; ++y)
-      for (int x = 0; x < kSize; ++x) {
-        const std::uint32_t seed = t.seed[tile_index(x, y)];
-        // A goal that is seldom seen as turf and net has somebody in front of it.
-        const std::uint8_t zone = t.zones[wide_index(x, y)];
-        const bool goal = zone & kOccluder;
-        if (!seed || tile.count(x, y) > (goal ? 1 : 0)) continue;
-        const auto colour = fit.apply(seed);
-        const bool paint = zone & kPaintBand;
-        if (!goal && !(paint ? turf.is_painted(colour[0], colour[1], colour[2])
-                             : turf.is_turf(colour[0], colour[1], colour[2])))
-          continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);
-          tile.deviation[c](x, y) = deviation;
-        }
-        tile.count(x, y) = 1;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const std::uint32_t seed = t.seed[tile_index(x, y)];
+      if (!seed) continue;
+      // A goal that is seldom seen as turf and net has somebody in front of it.
+      const std::uint8_t zone = t.zones[wide_index(x, y)];
+      const bool goal = zone & kOccluder;
+      if (tile.count(x, y) > (goal ? 1 : 0)) continue;
+      const auto colour = fit.apply(seed);
+      const bool paint = zone & kPaintBand;
+      if (!goal && !(paint ? turf.is_painted(colour[0], colour[1], colour[2])
+                           : turf.is_turf(colour[0], colour[1], colour[2])))
+        continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);
+        tile.deviation[c](x, y) = deviation;
       }
-  }
+      tile.count(x, y) = 1;
+    }
 }
 
 void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& t,
                                image::PlateTile& out) const {
-  if (out.count.empty()) return;
-  bool needed = false;
-  for (int y = 0; y < kSize && !needed; ++y)
-    for (int x = 0; x < kSize && !needed; ++x)
-      needed =
-          out.count(x, y) == 0 && t.seen[tile_index(x, y)] && (t.zones[wide_index(x, y)] & kTurf);
-  if (!needed) return;
+  // The holes, and whether paint is among them.
+  int left = kSize, top = kSize, right = -1, bottom = -1;
+  bool on_paint = false;
+  const auto hole = [&](int x, int y) {
+    return out.count(x, y) == 0 && t.seen[tile_index(x, y)] && (t.zones[wide_index(x, y)] & kTurf);
+  };
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      if (!hole(x, y)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = y;
+      on_paint = on_paint || (t.zones[wide_index(x, y)] & kPaintCore);
+    }
+  if (right < 0) return;
 
-  constexpr int kSide = kSize + 2 * kFillApron;
-  SparseColours grass(kSide);
-  SparseColours paint(kSide);
+  const Area area{left - kFillReach, top - kFillReach,
+                  std::max(right - left, bottom - top) + 1 + 2 * kFillReach};
+  HoleColours grass(area);
+  HoleColours paint(on_paint ? area : Area{});
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column) {
       const auto found = tiles.find({key.column + column, key.row + row});
       if (found == tiles.end() || found->second.tile.count.empty()) continue;
       const TileState& from = found->second;
-      for (int y = 0; y < kSize; ++y) {
-        const int v = y + row * kSize + kFillApron;
-        if (v < 0 || v >= kSide) continue;
-        for (int x = 0; x < kSize; ++x) {
-          const int u = x + column * kSize + kFillApron;
-          if (u < 0 || u >= kSide || from.tile.count(x, y) == 0) continue;
+      const int x0 = std::max(0, area.x - column * kSize);
+      const int x1 = std::min(kSize, area.x + area.side - column * kSize);
+      const int y0 = std::max(0, area.y - row * kSize);
+      const int y1 = std::min(kSize, area.y + area.side - row * kSize);
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          if (from.tile.count(x, y) == 0) continue;
           const std::uint8_t zone = from.zones[wide_index(x, y)];
-          SparseColours* into = zone == kTurf ? &grass : (zone & kPaintCore) ? &paint : nullptr;
-          if (!into) continue;
-          const auto at = static_cast<std::size_t>(v) * kSide + static_cast<std::size_t>(u);
-          into->y[at] = from.tile.mean[0](x, y);
-          into->cb[at] = from.tile.mean[1](x, y);
-          into->cr[at] = from.tile.mean[2](x, y);
-          into->weight[at] = 1;
+          HoleColours* into = zone == kTurf                     ? &grass
+                              : on_paint && (zone & kPaintCore) ? &paint
+                                                                : nullptr;
+          if (into)
+            into->add(x + column * kSize, y + row * kSize, from.tile.mean[0](x, y),
+                      from.tile.mean[1](x, y), from.tile.mean[2](x, y));
         }
-      }
     }
-  if (!fill_unknown(grass)) return;
-  const bool painted = fill_unknown(paint);
+  if (!grass.spread()) return;
+  const bool painted = on_paint && paint.spread();
   const auto deviation = static_cast<std::uint16_t>(16 * options.filled_codes);
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
-      const std::uint8_t zone = t.zones[wide_index(x, y)];
-      if (out.count(x, y) || !t.seen[tile_index(x, y)] || !(zone & kTurf)) continue;
-      const auto at = static_cast<std::size_t>(y + kFillApron) * kSide +
-                      static_cast<std::size_t>(x + kFillApron);
-      const SparseColours& from = painted && (zone & kPaintCore) ? paint : grass;
-      out.mean[0](x, y) = static_cast<std::uint16_t>(from.y[at]);
-      out.mean[1](x, y) = static_cast<std::uint16_t>(from.cb[at]);
-      out.mean[2](x, y) = static_cast<std::uint16_t>(from.cr[at]);
-      for (auto& plane : out.deviation) plane(x, y) = deviation;
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      if (!hole(x, y)) continue;
+      const bool core = t.zones[wide_index(x, y)] & kPaintCore;
+      const auto colour = (painted && core ? paint : grass).at(x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        out.mean[c](x, y) = static_cast<std::uint16_t>(colour[c]);
+        out.deviation[c](x, y) = deviation;
+      }
       out.count(x, y) = 1;
     }
+}
+
+// A version that nobody holds any more becomes the next one; else its tiles are copied.
+image::PlateSnapshot& PlateBuilder::State::next_snapshot() {
+  const std::uint32_t version = current ? current->version + 1 : 1;
+  if (!current || current.use_count() > 1) {
+    auto next = std::make_shared<image::PlateSnapshot>(sphere);
+    if (current) {
+      for (const auto& [key, tile] : current->tiles) {
+        const auto t = tiles.find(key);
+        if (t != tiles.end() && !t->second.stale) next->tiles.emplace(key, tile);
+      }
+    }
+    current = std::move(next);
+  } else {
+    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release
+    std::erase_if(current->tiles, [&](const auto& entry) { return !tiles.contains(entry.first); });
+    current->colour = sphere.colour;
+  }
+  current->version = version;
+  return *current;
 }
 
 PlateBuilder::PlateBuilder(const pitch::PitchModel& pitch, const Eigen::Vector3d& centre_in_world,
@@ -423,18 +424,22 @@ void PlateBuilder::add(const image::Frame& frame, const geometry::CameraEstimate
   for (const auto& key : keys) {
     TileState& t = s.tile(key);
     t.last_seen = static_cast<std::uint64_t>(s.frames);
-    const bool wanted = t.learning ? t.learning->wanted() : number % s.options.update_every == 0;
-    if (wanted) {
-      sample_tile(s.sphere, key, kApron, frame, estimate, kFrameBorder, s.samples);
-      if (s.samples.seen == 0) continue;
-      s.classify(t);
-      if (!t.learning)
-        s.follow(t);
-      else if (auto* layer = t.learning->next_layer())
-        s.learn(t, *layer);
-    } else if (t.learning) {
-      t.learning->skip();
-    }
+    const std::uint64_t nodes = nodes_in_view(s.sphere, key, estimate, 0);
+    if (t.learning && t.sampled_at >= 0) ++t.frames;
+    if (!s.due(key, t, nodes, number)) continue;
+    sample_tile(s.sphere, key, kApron, frame, estimate, kFrameBorder, s.samples);
+    if (s.samples.seen == 0) continue;
+    t.frames = std::max(t.frames, 1);
+    t.sampled_at = number;
+    t.nodes |= nodes;
+    const auto& accepted = s.acceptance.classify(t.zones, s.samples, s.turf);
+    s.note_seen(t);
+    if (t.learning)
+      s.learn(t, accepted, number);
+    else
+      follow(s.samples, accepted,
+             {s.options.update_rate, s.options.noise_codes, s.options.filled_codes}, t.tile);
+    t.changed = true;
   }
   s.drop_oldest();
 }
@@ -444,19 +449,31 @@ std::shared_ptr<const image::PlateSnapshot> PlateBuilder::snapshot(bool fresh) {
   const bool due = !s.current || s.frames - s.frames_at_publish >= s.options.publish_frames ||
                    (fresh && (s.frames != s.frames_at_publish || s.seeds_changed));
   if (!due) return s.current;
-  s.take_medians();
-  auto next = std::make_shared<image::PlateSnapshot>(s.sphere);
-  next->version = (s.current ? s.current->version : 0) + 1;
-  for (const auto& [key, t] : s.tiles)
-    if (!t.tile.count.empty()) next->tiles[key] = t.tile;
-  s.apply_seeds(*next);
-  for (const auto& [key, t] : s.tiles) {
-    const auto found = next->tiles.find(key);
-    if (found != next->tiles.end()) s.fill(key, t, found->second);
-  }
-  std::erase_if(next->tiles, [](const auto& entry) { return entry.second.count.empty(); });
+  const bool learnt = s.take_medians();
+  s.find_stale();
+  s.look_up_seeds();
+  s.fit_seeds(learnt);
+  if (s.seeds_changed)
+    for (auto& [key, t] : s.tiles) t.stale = true;
+  s.seeds_changed = false;
   s.frames_at_publish = s.frames;
-  s.current = std::move(next);
+  const bool dropped =
+      s.current && std::any_of(s.current->tiles.begin(), s.current->tiles.end(),
+                               [&](const auto& entry) { return !s.tiles.contains(entry.first); });
+  const bool stale = std::any_of(s.tiles.begin(), s.tiles.end(), [](const auto& entry) {
+    return entry.second.stale && !entry.second.tile.count.empty();
+  });
+  if (s.current && !dropped && !stale) return s.current;
+
+  image::PlateSnapshot& next = s.next_snapshot();
+  for (auto& [key, t] : s.tiles) {
+    if (!t.stale || t.tile.count.empty()) continue;
+    image::PlateTile& out = next.tiles[key];
+    out = t.tile;
+    s.apply_seeds(t, out);
+    s.fill(key, t, out);
+    t.stale = false;
+  }
   return s.current;
 }
 

@@ -19,7 +19,7 @@ struct PlateOptions {
   int learn_frames = 50;            // frames a tile is seen in before its median is fixed; 4..500
   int samples = 12;                 // samples in time kept of a pixel until then; 3..32
   int publish_frames = 25;          // after learning, frames between two versions; 1..10000
-  int update_every = 5;             // after learning, every n-th frame is taken in; 1..1000
+  int update_every = 5;             // after learning, a tile takes in every n-th frame; 1..1000
   double update_rate = 0.03;        // weight of a new sample in the running mean; 0.001..0.5
   double noise_codes = 3;           // least standard deviation, 10-bit code values; 0.25..50
   double filled_codes = 12;         // standard deviation where turf was interpolated; 1..200
@@ -27,7 +27,7 @@ struct PlateOptions {
   double line_tolerance_m = 0.08;   // a painted line may lie this far beside the model; 0..0.5
   double line_tolerance_px = 2.0;   // and this far in plate pixels; 0..10
   double occluder_margin_px = 3.0;  // margin round goal frames and nets, plate pixels; 0..20
-  int max_tiles = 450;  // the oldest are dropped beyond; a tile takes 0.9 to 4 MB; 8..4096
+  int max_tiles = 300;  // the oldest are dropped beyond; a tile takes 2 to 5 MB; 8..4096
 
   base::Status validate() const;
 };
@@ -55,7 +55,9 @@ class PlateBuilder {
   void add(const image::Frame& frame, const geometry::CameraEstimate& estimate);
 
   // The plate so far. The same object as before until enough frames came in (PlateOptions), or
-  // `fresh` asks for all there is, as at the end of the hold-back.
+  // `fresh` asks for all there is, as at the end of the hold-back, and unless they tell anything
+  // new. Tiles without news are those of the version before, byte by byte. Call it from the thread
+  // that add() is called from; a version stays as it is for as long as somebody holds it.
   std::shared_ptr<const image::PlateSnapshot> snapshot(bool fresh = false);
 
   int frames() const;  // live frames taken in

@@ -2,116 +2,206 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <utility>
 
 namespace touchline::plate {
 namespace {
 
-constexpr int kSize = image::kPlateTileSize;
-constexpr std::size_t kArea = static_cast<std::size_t>(kSize) * kSize;
+constexpr std::size_t kSize = image::kPlateTileSize;
+constexpr std::size_t kArea = kSize * kSize;
+constexpr std::size_t kMost = 32;  // layers; sums of distances of more overflow 16 bits
 using Row = std::array<std::uint16_t, kSize>;
 constexpr std::uint16_t kNone = 0xffff;
 
-// Sorts each column of `rows` upwards; the loops over a row vectorise.
-void sort_columns(std::vector<Row>& rows) {
-  const std::size_t n = rows.size();
-  for (std::size_t pass = 0; pass < n; ++pass)
-    for (std::size_t i = pass % 2; i + 1 < n; i += 2) {
-      auto* a = rows[i].data();
-      auto* b = rows[i + 1].data();
-      for (int x = 0; x < kSize; ++x) {
-        const std::uint16_t low = std::min(a[x], b[x]);
-        const std::uint16_t high = std::max(a[x], b[x]);
-        a[x] = low;
-        b[x] = high;
+// Pairs of places to put in order, one after the other, that sort `n` values: Batcher's merge
+// exchange (Knuth, The Art of Computer Programming 3, algorithm 5.2.2M).
+std::vector<std::pair<std::size_t, std::size_t>> sorting_network(std::size_t n) {
+  std::vector<std::pair<std::size_t, std::size_t>> network;
+  std::size_t top = 1;
+  while (2 * top < n) top *= 2;
+  for (std::size_t p = top; p > 0; p /= 2) {
+    std::size_t q = top;
+    std::size_t r = 0;
+    std::size_t d = p;
+    while (true) {
+      for (std::size_t i = 0; i + d < n; ++i)
+        if ((i & p) == r) network.emplace_back(i, i + d);
+      if (q == p) break;
+      d = q - p;
+      q /= 2;
+      r = p;
+    }
+  }
+  return network;
+}
+
+void put_in_order(Row& a, Row& b) {
+  for (std::size_t x = 0; x < kSize; ++x) {
+    const std::uint16_t low = std::min(a[x], b[x]);
+    const std::uint16_t high = std::max(a[x], b[x]);
+    a[x] = low;
+    b[x] = high;
+  }
+}
+
+// Twice the median of the first `n` of each column, which are sorted, and twice the sum of
+// distances of the nearer three quarters from it: who walked by does not widen it.
+void summarise(const std::vector<Row>& sorted, std::size_t n, Row& twice, Row& sum) {
+  const Row& low = sorted[(n - 1) / 2];
+  const Row& high = sorted[n / 2];
+  for (std::size_t x = 0; x < kSize; ++x) twice[x] = static_cast<std::uint16_t>(low[x] + high[x]);
+  const auto distance = [&](std::size_t k, std::size_t x) {
+    return static_cast<std::uint16_t>(std::abs(2 * sorted[k][x] - twice[x]));
+  };
+  sum.fill(0);
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t x = 0; x < kSize; ++x)
+      sum[x] = static_cast<std::uint16_t>(sum[x] + distance(k, x));
+  // The farthest quarter: some from below, the rest from above, whichever are most.
+  const std::size_t trim = n / 4;
+  if (trim == 0) return;
+  Row most{};
+  Row part;
+  for (std::size_t below = 0; below <= trim; ++below) {
+    part.fill(0);
+    for (std::size_t k = 0; k < trim; ++k) {
+      const std::size_t at = k < below ? k : n - 1 - (k - below);
+      for (std::size_t x = 0; x < kSize; ++x)
+        part[x] = static_cast<std::uint16_t>(part[x] + distance(at, x));
+    }
+    for (std::size_t x = 0; x < kSize; ++x) most[x] = std::max(most[x], part[x]);
+  }
+  for (std::size_t x = 0; x < kSize; ++x) sum[x] = static_cast<std::uint16_t>(sum[x] - most[x]);
+}
+
+// The rows of one channel of one tile row: mean and deviation for each column by its own count.
+class RowMedian {
+ public:
+  void run(std::vector<Row>& values, const std::array<std::uint16_t, kSize>& count, int scale,
+           double noise, std::uint16_t* mean, std::uint16_t* deviation) {
+    if (network_depth_ != values.size()) {
+      network_ = sorting_network(values.size());
+      network_depth_ = values.size();
+    }
+    for (const auto& [a, b] : network_) put_in_order(values[a], values[b]);
+    std::array<bool, kMost + 1> present{};
+    for (const std::uint16_t n : count) present[n] = true;
+    const auto least = static_cast<float>(noise * 16);
+    for (std::size_t n = 1; n <= values.size(); ++n) {
+      if (!present[n]) continue;
+      summarise(values, n, twice_, sum_);
+      // 1.25 of a normal law's mean distance is its deviation, 1.9 of the trimmed one.
+      const std::size_t trim = n / 4;
+      const float unit =
+          (trim ? 1.9f : 1.25f) * 0.5f * static_cast<float>(scale) / static_cast<float>(n - trim);
+      for (std::size_t x = 0; x < kSize; ++x) {
+        const float spread = std::max(unit * static_cast<float>(sum_[x]), least);
+        twice_[x] = static_cast<std::uint16_t>(twice_[x] * (scale / 2));
+        sum_[x] = static_cast<std::uint16_t>(static_cast<int>(std::min(spread + 0.5f, 65535.f)));
+      }
+      for (std::size_t x = 0; x < kSize; ++x) {
+        const bool mine = count[x] == n;
+        mean[x] = mine ? twice_[x] : mean[x];
+        deviation[x] = mine ? sum_[x] : deviation[x];
       }
     }
+  }
+
+ private:
+  std::vector<std::pair<std::size_t, std::size_t>> network_;
+  std::size_t network_depth_ = 0;
+  Row twice_{};
+  Row sum_{};
+};
+
+template <typename T>
+void clear(image::Image<T>& plane) {
+  if (plane.size() == kArea)
+    std::fill(plane.data(), plane.data() + kArea, T{0});
+  else
+    plane = image::Image<T>(image::kPlateTileSize, image::kPlateTileSize, 0);
 }
 
 }  // namespace
 
-std::vector<std::uint32_t>* SampleStack::next_layer() {
-  const int frame = frames_++;
-  if (frame % stride_ != 0) return nullptr;
-  if (static_cast<int>(layers_.size()) == capacity_) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < layers_.size(); i += 2) {
-      if (i != kept) layers_[kept] = std::move(layers_[i]);
-      ++kept;
-    }
-    layers_.resize(kept);
-    stride_ *= 2;
-    if (frame % stride_ != 0) return nullptr;
+void SampleStack::unite(std::size_t first) {
+  const auto second = static_cast<std::ptrdiff_t>(first) + 1;
+  std::uint32_t* to = layers_[first].data();
+  const std::uint32_t* from = layers_[first + 1].data();
+  for (std::size_t k = 0; k < kArea; ++k) to[k] = to[k] ? to[k] : from[k];
+  layers_.erase(layers_.begin() + second);
+  numbers_.erase(numbers_.begin() + second);
+}
+
+std::vector<std::uint32_t>& SampleStack::next_layer(int number, int spacing) {
+  const auto depth = static_cast<std::size_t>(std::clamp(capacity_, 2, static_cast<int>(kMost)));
+  for (std::size_t i = 0; i + 1 < numbers_.size();) {
+    if (2 * (numbers_[i + 1] - numbers_[i]) < spacing)
+      unite(i);
+    else
+      ++i;
   }
-  layers_.emplace_back(kArea, 0U);
-  return &layers_.back();
+  if (layers_.size() == depth) {
+    std::size_t first = 0;
+    for (std::size_t i = 1; i + 1 < depth; ++i)
+      if (numbers_[i + 1] - numbers_[i] < numbers_[first + 1] - numbers_[first]) first = i;
+    unite(first);
+  }
+  numbers_.push_back(number);
+  return layers_.emplace_back(kArea, 0U);
 }
 
 void SampleStack::median(const std::vector<std::uint8_t>& prefer, double noise,
                          image::PlateTile& out) const {
-  for (auto& plane : out.mean) plane = image::Image<std::uint16_t>(kSize, kSize, 0);
-  for (auto& plane : out.deviation) plane = image::Image<std::uint16_t>(kSize, kSize, 0);
-  out.count = image::Image<std::uint8_t>(kSize, kSize, 0);
+  for (auto& plane : out.mean) clear(plane);
+  for (auto& plane : out.deviation) clear(plane);
+  clear(out.count);
   if (layers_.empty()) return;
 
   const std::size_t depth = layers_.size();
-  const std::array<std::uint32_t, 3> shift{21, 11, 1};
-  const std::array<std::uint32_t, 3> mask{0x7ff, 0x3ff, 0x3ff};
-  const std::array<int, 3> scale{8, 16, 16};  // of a stored unit, sixteenths of a code value
   std::array<std::vector<Row>, 3> values;
   for (auto& v : values) v.resize(depth);
-  std::array<std::uint8_t, kSize> count{};
-  std::array<std::uint8_t, kSize> good{};
+  std::array<std::uint16_t, kSize> count{};
+  std::array<std::uint16_t, kSize> good{};
+  std::array<std::uint32_t, kSize> needed{};  // bits that a sample must have to count
+  RowMedian median;
 
-  for (int y = 0; y < kSize; ++y) {
+  for (int y = 0; y < image::kPlateTileSize; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * kSize;
     count.fill(0);
     good.fill(0);
-    for (const auto& layer : layers_)
-      for (int x = 0; x < kSize; ++x) {
-        const std::uint32_t s = layer[row + static_cast<std::size_t>(x)];
-        count[static_cast<std::size_t>(x)] += s != 0;
-        good[static_cast<std::size_t>(x)] += (s & 1U) != 0;
-      }
-    for (int x = 0; x < kSize; ++x) {
-      const auto i = static_cast<std::size_t>(x);
-      const bool pick = prefer[row + i] && good[i] > 0 && good[i] * 4 >= count[i];
-      for (std::size_t k = 0; k < depth; ++k) {
-        const std::uint32_t s = layers_[k][row + i];
-        const bool use = s != 0 && (!pick || (s & 1U));
-        for (std::size_t c = 0; c < 3; ++c)
-          values[c][k][i] = use ? static_cast<std::uint16_t>((s >> shift[c]) & mask[c]) : kNone;
-      }
-      if (pick) count[i] = good[i];
-      out.count(x, y) = prefer[row + i] && !pick ? std::min<std::uint8_t>(count[i], 1) : count[i];
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      sort_columns(values[c]);
-      for (int x = 0; x < kSize; ++x) {
-        const auto i = static_cast<std::size_t>(x);
-        const int n = count[i];
-        if (n == 0) continue;
-        const auto at = [&](int k) {
-          return static_cast<int>(values[c][static_cast<std::size_t>(k)][i]);
-        };
-        const int twice = at((n - 1) / 2) + at(n / 2);
-        // Mean distance of the nearer three quarters, so that who walked by does not widen it;
-        // 1.25 of a normal law's mean distance is its deviation, 1.9 of the trimmed one.
-        const int trim = n / 4;
-        int low = 0;
-        int high = n - 1;
-        for (int t = 0; t < trim; ++t)
-          if (std::abs(2 * at(low) - twice) > std::abs(2 * at(high) - twice))
-            ++low;
-          else
-            --high;
-        int sum = 0;
-        for (int k = low; k <= high; ++k) sum += std::abs(2 * at(k) - twice);
-        const double spread = (trim ? 1.9 : 1.25) * 0.5 * sum / (high - low + 1) * scale[c];
-        out.mean[c](x, y) = static_cast<std::uint16_t>(twice * scale[c] / 2);
-        out.deviation[c](x, y) =
-            static_cast<std::uint16_t>(std::lround(std::max(spread, noise * 16)));
+    for (const auto& layer : layers_) {
+      const std::uint32_t* from = &layer[row];
+      for (std::size_t x = 0; x < kSize; ++x) {
+        count[x] = static_cast<std::uint16_t>(count[x] + (from[x] != 0 ? 1 : 0));
+        good[x] = static_cast<std::uint16_t>(good[x] + (from[x] & 1U));
       }
     }
+    std::uint8_t* shown = out.count.row(y);
+    for (std::size_t x = 0; x < kSize; ++x) {
+      const bool pick = prefer[row + x] && good[x] > 0 && good[x] * 4 >= count[x];
+      needed[x] = pick ? 1U : 0xffffffffU;
+      count[x] = pick ? good[x] : count[x];
+      shown[x] = static_cast<std::uint8_t>(
+          prefer[row + x] && !pick ? std::min<std::uint16_t>(count[x], 1) : count[x]);
+    }
+    for (std::size_t k = 0; k < depth; ++k) {
+      const std::uint32_t* from = &layers_[k][row];
+      std::uint16_t* luma = values[0][k].data();
+      std::uint16_t* cb = values[1][k].data();
+      std::uint16_t* cr = values[2][k].data();
+      for (std::size_t x = 0; x < kSize; ++x) {
+        const std::uint32_t s = from[x];
+        const std::uint32_t missing = (s & needed[x]) != 0 ? 0U : kNone;
+        luma[x] = static_cast<std::uint16_t>(s >> 21 | missing);
+        cb[x] = static_cast<std::uint16_t>(((s >> 11) & 0x3ff) | missing);
+        cr[x] = static_cast<std::uint16_t>(((s >> 1) & 0x3ff) | missing);
+      }
+    }
+    const std::array<int, 3> scale{8, 16, 16};  // of a stored unit, sixteenths of a code value
+    for (std::size_t c = 0; c < 3; ++c)
+      median.run(values[c], count, scale[c], noise, out.mean[c].row(y), out.deviation[c].row(y));
   }
 }
 

@@ -16,19 +16,16 @@ inline std::uint32_t pack_sample(std::uint32_t y2, std::uint32_t cb, std::uint32
   return (y2 << 21) | (cb << 11) | (cr << 1) | (preferred ? 1U : 0U);
 }
 
-// Keeps at most `capacity` samples a pixel, spread evenly over the frames seen so far: when it is
-// full every second one is dropped and the stride between frames taken in doubles.
+// At most `capacity` layers of samples. When there are more, the two neighbours closest in time
+// become one, which keeps the earlier sample of a pixel that has both: no pixel is forgotten.
 class SampleStack {
  public:
   explicit SampleStack(int capacity) : capacity_(capacity) {}
 
-  // Whether the next frame may be kept; if not, tell by skip().
-  bool wanted() const { return frames_ % stride_ == 0; }
-  void skip() { ++frames_; }
-  // The layer for the next frame, 256x256 zeros, or nothing when this frame is not to be kept.
-  std::vector<std::uint32_t>* next_layer();
+  // The layer for the frame with this number, later than those before: 256x256 zeros. Layers that
+  // are closer than half of `spacing` frames become one as well, so that all weigh alike.
+  std::vector<std::uint32_t>& next_layer(int number, int spacing = 1);
 
-  int frames() const { return frames_; }
   int layers() const { return static_cast<int>(layers_.size()); }
 
   // Median, deviation and count. Where `prefer` is not 0 and a quarter of the samples are
@@ -36,10 +33,11 @@ class SampleStack {
   void median(const std::vector<std::uint8_t>& prefer, double noise, image::PlateTile& out) const;
 
  private:
+  void unite(std::size_t first);  // this layer and the next
+
   int capacity_;
-  int frames_ = 0;
-  int stride_ = 1;
   std::vector<std::vector<std::uint32_t>> layers_;
+  std::vector<int> numbers_;  // of their frames
 };
 
 }  // namespace touchline::plate

@@ -106,4 +106,46 @@ bool TurfColour::update() {
   return true;
 }
 
+void TurfColour::classify(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
+                          std::size_t count, std::uint8_t* out) const {
+  constexpr std::size_t kBlock = 64;
+  // By the bits of table_: what each allows, before luma is looked at.
+  constexpr std::uint8_t kBrightPaint = 8;
+  std::array<std::uint8_t, 8> allows{};
+  for (std::size_t i = 0; i < allows.size(); ++i)
+    allows[i] =
+        static_cast<std::uint8_t>(((i & 1) ? kIsTurf | kIsPainted : 0) |
+                                  ((i & 2) ? kBrightPaint : 0) | ((i & 4) ? kIsDoubtful : 0));
+  constexpr float kPerUnit = kBins / (2 * kReach);
+  std::array<std::int32_t, kBlock> at;
+  std::array<std::uint8_t, kBlock> by_luma;
+  const float least = least_luma_;
+  const float most = most_luma_;
+  const float paint = paint_luma_;
+  for (std::size_t start = 0; start < count; start += kBlock) {
+    const std::size_t n = std::min(kBlock, count - start);
+    const std::uint16_t* y2_from = y2 + start;
+    const std::uint16_t* cb_from = cb + start;
+    const std::uint16_t* cr_from = cr + start;
+    for (std::size_t k = 0; k < n; ++k) {
+      const float per_luma = kPerUnit / std::max(0.5f * static_cast<float>(y2_from[k]) - 64.f, 1.f);
+      const float u = (static_cast<float>(cb_from[k]) - 512.f) * per_luma + 0.5f * kBins;
+      const float v = (static_cast<float>(cr_from[k]) - 512.f) * per_luma + 0.5f * kBins;
+      at[k] = static_cast<std::int32_t>(std::min(std::max(v, 0.f), kBins - 1.f)) * kBins +
+              static_cast<std::int32_t>(std::min(std::max(u, 0.f), kBins - 1.f));
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const float luma = 0.5f * static_cast<float>(y2_from[k]) - 64.f;
+      const int fair = luma <= most ? kIsPainted | kIsTurf | kIsDoubtful : kIsPainted;
+      const int bits = luma > paint ? fair | kBrightPaint : fair;
+      by_luma[k] = static_cast<std::uint8_t>(luma >= least ? bits : 0);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const int bits = allows[table_[static_cast<std::size_t>(at[k])]] & by_luma[k];
+      out[start + k] =
+          static_cast<std::uint8_t>((bits & 7) | (bits & kBrightPaint ? kIsPainted : 0));
+    }
+  }
+}
+
 }  // namespace touchline::plate

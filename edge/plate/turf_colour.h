@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -33,14 +34,13 @@ class TurfColour {
     return table_[static_cast<std::size_t>(j * kBins + i)] & (luma > paint_luma_ ? 3 : 1);
   }
 
-  // Not turf, yet close enough in hue to be worn or bare ground.
-  bool is_doubtful(float y, float cb, float cr) const {
-    const float luma = y - 64.f;
-    if (luma < least_luma_ || luma > most_luma_) return false;
-    const int i = bin((cb - 512.f) / luma);
-    const int j = bin((cr - 512.f) / luma);
-    return table_[static_cast<std::size_t>(j * kBins + i)] & 4;
-  }
+  // The same for many pixels at once, and kDoubtful: not turf, yet close enough in hue to be worn
+  // or bare ground. Luma is given times 2; one of the sets of bits below for each.
+  static constexpr std::uint8_t kIsTurf = 1;
+  static constexpr std::uint8_t kIsPainted = 2;
+  static constexpr std::uint8_t kIsDoubtful = 4;
+  void classify(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
+                std::size_t count, std::uint8_t* out) const;
 
   static constexpr int kBins = 128;      // an axis, over -0.8..0.8
   static constexpr float kReach = 0.8f;  // of chroma over luma

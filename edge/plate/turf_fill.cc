@@ -71,4 +71,19 @@ bool fill_unknown(SparseColours& colours) {
   return true;
 }
 
+HoleColours::HoleColours(const Area& area) : x_(area.x), y_(area.y), coarse_((area.side + 1) / 2) {}
+
+// Bilinear between the centres of coarse pixels.
+std::array<float, 3> HoleColours::at(int x, int y) const {
+  const int cx = (x - x_) / 2;
+  const int cy = (y - y_) / 2;
+  const int nx = std::clamp(cx + ((x - x_) % 2 ? 1 : -1), 0, coarse_.size - 1);
+  const int ny = std::clamp(cy + ((y - y_) % 2 ? 1 : -1), 0, coarse_.size - 1);
+  const auto mix = [&](const std::vector<float>& p) {
+    return 0.5625f * p[index(cx, cy)] + 0.1875f * (p[index(nx, cy)] + p[index(cx, ny)]) +
+           0.0625f * p[index(nx, ny)];
+  };
+  return {mix(coarse_.y), mix(coarse_.cb), mix(coarse_.cr)};
+}
+
 }  // namespace touchline::plate

@@ -1,12 +1,18 @@
-// Turf and paint that nobody saw uncovered: seeded by stills or interpolated from what lies round.
+// Turf and paint that nobody saw uncovered, interpolated from what lies round.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "shared/image/plate_snapshot.h"
-
 namespace touchline::plate {
+
+// A square of pixels.
+struct Area {
+  int x = 0;
+  int y = 0;
+  int side = 0;
+};
 
 // Sum of colours and how many, per pixel of a square, for interpolation by a pyramid.
 struct SparseColours {
@@ -20,5 +26,32 @@ struct SparseColours {
 // Fills unknown pixels smoothly from the known ones; known pixels keep their colour. Colours become
 // means with weight 1 where anything is known at all; false when nothing is.
 bool fill_unknown(SparseColours& colours);
+
+// Colours of the holes of an area by those of its known pixels.
+class HoleColours {
+ public:
+  explicit HoleColours(const Area& area);
+  // A known pixel; anything in the area.
+  void add(int x, int y, float luma, float cb, float cr) {
+    const std::size_t i = index((x - x_) / 2, (y - y_) / 2);
+    coarse_.y[i] += luma;
+    coarse_.cb[i] += cb;
+    coarse_.cr[i] += cr;
+    coarse_.weight[i] += 1.f;
+  }
+  // After the last add(); false when nothing is known.
+  bool spread() { return coarse_.size > 0 && fill_unknown(coarse_); }
+  // After spread(): luma, Cb and Cr of a hole.
+  std::array<float, 3> at(int x, int y) const;
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(coarse_.size) +
+           static_cast<std::size_t>(x);
+  }
+  int x_;
+  int y_;
+  SparseColours coarse_;  // of 2x2 pixels
+};
 
 }  // namespace touchline::plate

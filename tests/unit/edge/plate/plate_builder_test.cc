@@ -79,7 +79,7 @@ TEST(PlateBuilder, WhereNobodyEverSawTurfTheDeviationIsRaised) {
   const auto camera = test_camera(0);
   const Backdrop scene(camera, pitch);
   PlateBuilder builder(pitch, kCentre, kScale);
-  for (unsigned k = 0; k < 8; ++k) builder.add(scene.frame({Disc{{180, 200}, 9}}, k), camera);
+  for (unsigned k = 0; k < 12; ++k) builder.add(scene.frame({Disc{{180, 200}, 9}}, k), camera);
   const auto plate = builder.snapshot(true);
   const Eigen::Vector2d p =
       image::plate_from_direction(*plate, geometry::ray_in_world(camera, {180, 200}));
@@ -90,7 +90,7 @@ TEST(PlateBuilder, WhereNobodyEverSawTurfTheDeviationIsRaised) {
   const int y = static_cast<int>(std::lround(p.y())) - 256 * key.row;
   EXPECT_LE(tile.count(x, y), 1);
   EXPECT_GE(tile.deviation[0](x, y), 16 * PlateOptions{}.filled_codes);
-  EXPECT_GE(tile.count(x + 40, y), 6);
+  EXPECT_GE(tile.count(x + 40, y), 5);
 }
 
 TEST(PlateBuilder, OffTheTurfTheMedianForgetsWhoWalksBy) {
@@ -145,14 +145,57 @@ TEST(PlateBuilder, ASnapshotIsKeptUntilThereIsReasonForAnother) {
   const auto pitch = test_pitch();
   PlateBuilder builder(pitch, kCentre, kScale);
   const auto camera = test_camera(0);
-  builder.add(render(camera, pitch, {}), camera);
+  const auto frame = render(camera, pitch, {});
+  builder.add(frame, camera);
   const auto first = builder.snapshot();
-  builder.add(render(camera, pitch, {}), camera);
+  const image::PlateSnapshot copy = *first;
+  for (int k = 0; k < 6; ++k) builder.add(frame, camera);
   EXPECT_EQ(builder.snapshot(), first);
   const auto second = builder.snapshot(true);
   EXPECT_NE(second, first);
   EXPECT_GT(second->version, first->version);
   EXPECT_EQ(builder.snapshot(true), second);
+  EXPECT_EQ(*first, copy);  // who holds a version keeps it
+}
+
+TEST(PlateBuilder, TilesThatHardlyChangeStayAsTheyWerePublished) {
+  const auto pitch = test_pitch();
+  PlateOptions options;
+  options.learn_frames = 8;
+  options.update_every = 2;
+  options.update_rate = 0.05;
+  PlateBuilder builder(pitch, kCentre, kScale, options);
+  const auto camera = test_camera(0);
+  const Backdrop scene(camera, pitch);
+  for (unsigned k = 0; k < 10; ++k) builder.add(scene.frame({}, k), camera);
+  builder.snapshot(true);
+  for (unsigned k = 10; k < 60; ++k) builder.add(scene.frame({}, k), camera);
+  const auto first = builder.snapshot(true);
+  for (unsigned k = 60; k < 90; ++k) builder.add(scene.frame({}, k), camera);
+  EXPECT_EQ(builder.snapshot(true), first);  // noise is no news
+
+  // Something is put down in one place: its tile changes, the others do not.
+  for (unsigned k = 90; k < 170; ++k)
+    builder.add(scene.frame({Disc{{100, 25}, 20, {500, 500, 560}}}, k), camera);
+  const auto second = builder.snapshot(true);
+  ASSERT_NE(second, first);
+  int changed = 0;
+  for (const auto& [key, tile] : second->tiles) changed += first->tiles.at(key) == tile ? 0 : 1;
+  EXPECT_GE(changed, 1);
+  EXPECT_LT(changed, static_cast<int>(second->tiles.size()) / 2);
+}
+
+TEST(PlateBuilder, WhatComesIntoViewIsInTheNextVersion) {
+  const auto pitch = test_pitch();
+  PlateBuilder builder(pitch, kCentre, kScale);
+  geometry::CameraEstimate camera;
+  for (int k = 0; k < 9; ++k) {
+    camera = test_camera(0.08 * k);
+    builder.add(render(camera, pitch, {}, static_cast<unsigned>(k)), camera);
+  }
+  const auto plate = builder.snapshot(true);
+  for (int y = 4; y < 270; y += 9)
+    for (int x = 4; x < 480; x += 9) EXPECT_TRUE(plate_at(*plate, camera, {x, y})) << x << ' ' << y;
 }
 
 TEST(PlateBuilder, TheSameFramesGiveTheSamePlate) {

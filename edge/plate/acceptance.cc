@@ -1,0 +1,116 @@
+#include "edge/plate/acceptance.h"
+
+#include <algorithm>
+#include <array>
+
+#include "edge/plate/zones.h"
+
+namespace touchline::plate {
+namespace {
+
+constexpr int kWide = image::kPlateTileSize + 2 * kApron;
+constexpr std::size_t kRow = kWide;
+constexpr int kRejectReach = 3;  // pixels round a person that are not learnt either
+constexpr int kDoubtReach = 12;  // pixels round a person where doubtful colours are not learnt
+
+// 1 within `reach` pixels (a square) of a 1.
+void widen(const std::vector<std::uint8_t>& in, int reach, std::vector<std::uint8_t>& across,
+           std::vector<std::uint8_t>& out) {
+  across = in;
+  for (int y = 0; y < kWide; ++y) {
+    const std::uint8_t* from = &in[static_cast<std::size_t>(y) * kRow];
+    std::uint8_t* to = &across[static_cast<std::size_t>(y) * kRow];
+    if (std::find(from, from + kWide, 1) == from + kWide) continue;
+    for (int k = 1; k <= reach; ++k) {
+      for (int x = 0; x + k < kWide; ++x) to[x] |= from[x + k];
+      for (int x = k; x < kWide; ++x) to[x] |= from[x - k];
+    }
+  }
+  out = across;
+  for (int y = 0; y < kWide; ++y) {
+    std::uint8_t* to = &out[static_cast<std::size_t>(y) * kRow];
+    for (int v = std::max(0, y - reach); v <= std::min(kWide - 1, y + reach); ++v) {
+      const std::uint8_t* from = &across[static_cast<std::size_t>(v) * kRow];
+      for (int x = 0; x < kWide; ++x) to[x] |= from[x];
+    }
+  }
+}
+
+// A row: 1 where learning is allowed, 2 where it is doubtful, and what is none of turf's.
+void judge(const std::uint8_t* zones, const std::uint8_t* inside, const std::uint8_t* colours,
+           std::uint8_t* accepted, std::uint8_t* foreign) {
+  std::array<std::uint8_t, kRow> good;
+  std::array<std::uint8_t, kRow> doubtful;
+  for (std::size_t x = 0; x < kRow; ++x) {
+    const std::uint8_t wanted = (zones[x] & (kPaintBand | kPerhapsTurf)) != 0
+                                    ? TurfColour::kIsPainted
+                                    : TurfColour::kIsTurf;
+    good[x] = (colours[x] & wanted) != 0 ? inside[x] : 0;
+  }
+  for (std::size_t x = 0; x < kRow; ++x) good[x] = zones[x] == 0 ? inside[x] : good[x];
+  for (std::size_t x = 0; x < kRow; ++x)
+    doubtful[x] = (colours[x] & TurfColour::kIsDoubtful) != 0 ? inside[x] : 0;
+  for (std::size_t x = 0; x < kRow; ++x)
+    accepted[x] = static_cast<std::uint8_t>(good[x] | ((doubtful[x] & ~good[x]) << 1));
+  for (std::size_t x = 0; x < kRow; ++x)
+    foreign[x] = static_cast<std::uint8_t>(inside[x] & ~(good[x] | doubtful[x]));
+}
+
+}  // namespace
+
+// Single pixels are noise; three in a neighbourhood are a person, whose rim is mixed with turf.
+bool Acceptance::find_bodies() {
+  body_.assign(foreign_.size(), 0);
+  std::uint8_t any = 0;
+  std::array<std::uint8_t, kRow> sums{};
+  for (std::size_t y = 1; y + 1 < kRow; ++y) {
+    const std::uint8_t* a = &foreign_[(y - 1) * kRow];
+    const std::uint8_t* b = a + kRow;
+    const std::uint8_t* c = b + kRow;
+    for (std::size_t x = 0; x < kRow; ++x) sums[x] = static_cast<std::uint8_t>(a[x] + b[x] + c[x]);
+    std::uint8_t* to = &body_[y * kRow];
+    for (std::size_t x = 1; x + 1 < kRow; ++x) {
+      const auto sum = static_cast<std::uint8_t>(sums[x - 1] + sums[x] + sums[x + 1]);
+      to[x] = static_cast<std::uint8_t>((sum >= 3 ? 1 : 0) & b[x]);
+      any |= to[x];
+    }
+  }
+  return any != 0;
+}
+
+const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uint8_t>& zones,
+                                                      const TileSamples& samples,
+                                                      const TurfColour& turf) {
+  const std::size_t area = zones.size();
+  accepted_.resize(area);
+  foreign_.resize(area);
+  std::array<std::uint8_t, kRow> colours{};
+  std::uint8_t anything = 0;
+  for (std::size_t start = 0; start < area; start += kRow) {
+    const std::uint8_t* zone = &zones[start];
+    std::uint8_t zoned = 0;
+    for (std::size_t x = 0; x < kRow; ++x) zoned |= zone[x];
+    if (zoned && turf.ready())
+      turf.classify(&samples.y[start], &samples.cb[start], &samples.cr[start], kRow,
+                    colours.data());
+    judge(zone, &samples.inside[start], colours.data(), &accepted_[start], &foreign_[start]);
+    for (std::size_t x = 0; x < kRow; ++x) anything |= foreign_[start + x];
+  }
+  if (anything && find_bodies()) {
+    widen(body_, kRejectReach, scratch_, near_body_);
+    widen(body_, kDoubtReach, scratch_, around_body_);
+    for (std::size_t i = 0; i < area; ++i) {
+      // What is doubtful is taken as 1 where nobody is around.
+      const int sure = accepted_[i] & 1;
+      const int fair = (accepted_[i] >> 1) & ~around_body_[i];
+      const int anywhere = zones[i] == 0 ? 1 : 0;
+      accepted_[i] = static_cast<std::uint8_t>((sure | fair) & (anywhere | ~near_body_[i]) & 1);
+    }
+  } else {
+    for (std::size_t i = 0; i < area; ++i)
+      accepted_[i] = static_cast<std::uint8_t>((accepted_[i] | (accepted_[i] >> 1)) & 1);
+  }
+  return accepted_;
+}
+
+}  // namespace touchline::plate
