@@ -11,12 +11,17 @@ namespace {
 
 constexpr double kBallRadius = 0.11;       // metres
 constexpr double kLeastShareOfBall = 0.3;  // of a ball's area that a component must have
-constexpr int kPeakReach = 4;    // pixels within which a body's strongest difference is sought
-constexpr int kShareOfPeak = 4;  // sixteenths of that a pixel must reach
+constexpr int kShareOfPeak = 4;            // sixteenths of that a pixel must reach
 constexpr int kEnough = static_cast<int>(6 * kDistanceScale);  // or this distance
 constexpr double kEdgeShare = 0.5;    // of a component along edges of the plate
 constexpr int kThin = 3;              // mean width of one that is no body, pixels
 constexpr double kSmallPerson = 0.2;  // square metres, under which such a component is dropped
+constexpr double kStrongShare = 0.1;  // of a component, beyond the strong distance
+constexpr double kLimbStrong = 0.4;   // likewise, of a limb before an edge of the plate
+constexpr double kThinLimb = 2;       // mean width of one, pixels
+constexpr double kLimbGap = 0.15;     // metres from one to the body it belongs to
+constexpr double kLeastScale = 20;    // pixels a metre where the turf is not in sight
+constexpr double kLargeHole = 0.25;   // metres: none larger than this square is closed
 constexpr double kJump = 1.2;         // metres that feet may be over the turf
 constexpr double kSmallHole = 0.06;   // metres: holes up to this square are closed more readily
 
@@ -43,58 +48,65 @@ void join(std::vector<Run>& runs, int a, int b) {
   runs[static_cast<std::size_t>(b)].parent = a;
 }
 
-// Runs of pixels for which `inside(x, y)`; joined with 8 or 4 neighbours.
+// Runs of pixels of the marked cells for which `inside(x, y)`; joined with 8 or 4 neighbours.
 template <typename Inside>
-std::vector<Run> connect(int width, int height, bool diagonal, const Inside& inside) {
+std::vector<Run> connect(int width, int height, const CellMask& cells, bool diagonal,
+                         const Inside& inside) {
   std::vector<Run> runs;
   std::size_t above = 0;
   std::size_t above_end = 0;
-  for (int y = 0; y < height; ++y) {
-    const std::size_t first = runs.size();
-    std::size_t scan = above;
-    for (int x = 0; x < width;) {
-      if (!inside(x, y)) {
-        ++x;
-        continue;
-      }
-      const int begin = x;
-      while (x < width && inside(x, y)) ++x;
-      const int me = static_cast<int>(runs.size());
-      runs.push_back({y, begin, x, me});
-      const int reach = diagonal ? 1 : 0;
-      while (scan < above_end && runs[scan].end + reach <= begin) ++scan;
-      for (std::size_t k = scan; k < above_end && runs[k].begin < x + reach; ++k)
-        join(runs, me, static_cast<int>(k));
+  const int reach = diagonal ? 1 : 0;
+  for (int j = 0; j < cells.rows; ++j) {
+    const std::vector<Span> parts = spans(cells, j, width);
+    for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) {
+      const std::size_t first = runs.size();
+      std::size_t scan = above;
+      for (const Span& part : parts)
+        for (int x = part.begin; x < part.end;) {
+          if (!inside(x, y)) {
+            ++x;
+            continue;
+          }
+          const int begin = x;
+          while (x < part.end && inside(x, y)) ++x;
+          const int me = static_cast<int>(runs.size());
+          runs.push_back({y, begin, x, me});
+          while (scan < above_end && runs[scan].end + reach <= begin) ++scan;
+          for (std::size_t k = scan; k < above_end && runs[k].begin < x + reach; ++k)
+            join(runs, me, static_cast<int>(k));
+        }
+      above = first;
+      above_end = runs.size();
     }
-    above = first;
-    above_end = runs.size();
   }
   return runs;
 }
 
 // Pixels beyond the weak distance after light smoothing, and not much weaker than the strongest
 // round them: the fringe that compression and the lens leave round a body is no body.
-image::Image<std::uint8_t> candidates(const image::Image<std::uint8_t>& distance,
-                                      std::uint8_t weak) {
+image::Image<std::uint8_t> candidates(const Difference& difference,
+                                      const image::Image<std::uint8_t>& peak, std::uint8_t weak) {
+  const auto& distance = difference.distance;
   const int w = distance.width();
   const int h = distance.height();
   image::Image<std::uint8_t> out(w, h, 0);
   if (w < 3 || h < 3) return out;
-  const auto peak = local_peak(distance, kPeakReach);
-  for (int y = 0; y < h; ++y) {
-    const std::uint8_t* a = distance.row(std::max(0, y - 1));
-    const std::uint8_t* b = distance.row(y);
-    const std::uint8_t* c = distance.row(std::min(h - 1, y + 1));
-    const std::uint8_t* top = peak.row(y);
-    std::uint8_t* to = out.row(y);
-    for (int x = 1; x + 1 < w; ++x) {
-      const int smooth = a[x - 1] + 2 * a[x] + a[x + 1] + 2 * b[x - 1] + 4 * b[x] + 2 * b[x + 1] +
-                         c[x - 1] + 2 * c[x] + c[x + 1];
-      to[x] = smooth >= 16 * weak && smooth >= std::min(kShareOfPeak * top[x], 16 * kEnough);
-    }
-    to[0] = to[1];
-    to[w - 1] = to[w - 2];
-  }
+  for (int j = 0; j < difference.active.rows; ++j)
+    for (const Span& span : spans(difference.active, j, w))
+      for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) {
+        const std::uint8_t* a = distance.row(std::max(0, y - 1));
+        const std::uint8_t* b = distance.row(y);
+        const std::uint8_t* c = distance.row(std::min(h - 1, y + 1));
+        const std::uint8_t* top = peak.row(y);
+        std::uint8_t* to = out.row(y);
+        for (int x = std::max(1, span.begin); x < std::min(w - 1, span.end); ++x) {
+          const int smooth = a[x - 1] + 2 * a[x] + a[x + 1] + 2 * b[x - 1] + 4 * b[x] +
+                             2 * b[x + 1] + c[x - 1] + 2 * c[x] + c[x + 1];
+          to[x] = smooth >= 16 * weak && smooth >= std::min(kShareOfPeak * top[x], 16 * kEnough);
+        }
+        if (span.begin == 0) to[0] = to[1];
+        if (span.end == w) to[w - 1] = to[w - 2];
+      }
   return out;
 }
 
@@ -106,11 +118,72 @@ struct Blob {
   int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
   int bottom_x = 0;
   bool keep = false;
+  bool doubtful = false;  // an edge that did not fit, unless it is part of a body
 };
+
+// Whether a run of `bodies` lies within `reach` of the box.
+bool touches(const image::Image<std::uint8_t>& bodies, const Blob& b, int reach) {
+  const int left = std::max(0, b.left - reach);
+  const int right = std::min(bodies.width() - 1, b.right + reach);
+  for (int y = std::max(0, b.top - reach); y <= std::min(bodies.height() - 1, b.bottom + reach);
+       ++y)
+    if (std::any_of(bodies.row(y) + left, bodies.row(y) + right + 1,
+                    [](std::uint8_t v) { return v != 0; }))
+      return true;
+  return false;
+}
+
+// Closes background that is enclosed by bodies where it is not like the plate, or tiny.
+void close_holes(const Difference& difference, const FrameGrid& grid, const KeyOptions& options,
+                 image::Image<std::uint8_t>& bodies) {
+  const int width = bodies.width();
+  const int height = bodies.height();
+  const CellMask& active = difference.active;
+  auto gaps =
+      connect(width, height, active, false, [&](int x, int y) { return bodies.row(y)[x] == 0; });
+  // Background that reaches cells that show the plate, or the border, is no hole.
+  const auto open = [&](const Run& run) {
+    const int j = run.y / kCell;
+    if (run.y == 0 || run.y == height - 1 || run.begin == 0 || run.end == width) return true;
+    if (run.begin % kCell == 0 && !active.at(run.begin / kCell - 1, j)) return true;
+    if (run.end % kCell == 0 && !active.at(run.end / kCell, j)) return true;
+    const bool first = run.y % kCell == 0;
+    const bool last = run.y % kCell == kCell - 1;
+    if (first || last)
+      for (int i = run.begin / kCell; i <= (run.end - 1) / kCell; ++i)
+        if (!active.at(i, first ? j - 1 : j + 1)) return true;
+    return false;
+  };
+  std::vector<Blob> holes(gaps.size());
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const int r = root(gaps, static_cast<int>(i));
+    gaps[i].parent = r;
+    Blob& b = holes[static_cast<std::size_t>(r)];
+    const Run& run = gaps[i];
+    b.area += run.end - run.begin;
+    b.bottom = run.y;
+    b.bottom_x = run.begin;
+    b.keep = b.keep || open(run);
+    const std::uint8_t* row = difference.distance.row(run.y);
+    for (int x = run.begin; x < run.end; ++x) b.sum += row[x];
+  }
+  for (const auto& run : gaps) {
+    const Blob& b = holes[static_cast<std::size_t>(run.parent)];
+    if (b.keep) continue;
+    const double scale = grid.scale_at(b.bottom_x, b.bottom);
+    const double unlike = b.sum / b.area / kDistanceScale / options.weak_sigma;
+    const double small = std::max(4.0, std::pow(kSmallHole * scale, 2));
+    const double largest = std::pow(kLargeHole * std::max(scale, kLeastScale), 2);
+    if (b.area <= 4 || (b.area <= small && unlike > 0.6) || (b.area <= largest && unlike > 1.5))
+      std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
+  }
+}
 
 }  // namespace
 
-image::Image<std::uint8_t> find_bodies(const Difference& difference, const FrameGrid& grid,
+image::Image<std::uint8_t> find_bodies(const Difference& difference,
+                                       const image::Image<std::uint8_t>& peak,
+                                       const FrameGrid& grid,
                                        const geometry::CameraEstimate& camera,
                                        const pitch::PitchModel& pitch, const KeyOptions& options) {
   const int width = difference.distance.width();
@@ -118,10 +191,10 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference, const Frame
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
   const auto strong =
       static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
-  const auto& distance = difference.distance;
 
-  const auto candidate = candidates(distance, weak);
-  auto runs = connect(width, height, true, [&](int x, int y) { return candidate.row(y)[x] != 0; });
+  const auto candidate = candidates(difference, peak, weak);
+  auto runs = connect(width, height, difference.active, true,
+                      [&](int x, int y) { return candidate.row(y)[x] != 0; });
   std::vector<Blob> blobs(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const int r = root(runs, static_cast<int>(i));
@@ -132,11 +205,9 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference, const Frame
     b.left = std::min(b.left, run.begin);
     b.right = std::max(b.right, run.end - 1);
     b.top = std::min(b.top, run.y);
-    if (run.y >= b.bottom) {
-      b.bottom = run.y;
-      b.bottom_x = (run.begin + run.end) / 2;
-    }
-    const std::uint8_t* row = distance.row(run.y);
+    b.bottom = run.y;
+    b.bottom_x = (run.begin + run.end) / 2;
+    const std::uint8_t* row = difference.distance.row(run.y);
     const std::uint8_t* edge = difference.edge.row(run.y);
     for (int x = run.begin; x < run.end; ++x) {
       b.strong += row[x] >= strong;
@@ -146,13 +217,15 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference, const Frame
   for (auto& b : blobs) {
     if (b.area == 0) continue;
     const double scale = grid.scale_at(b.bottom_x, b.bottom);
-    const double ball = std::numbers::pi * std::pow(kBallRadius * (scale > 0 ? scale : 20.0), 2);
+    const double ball =
+        std::numbers::pi * std::pow(kBallRadius * (scale > 0 ? scale : kLeastScale), 2);
     const double least = std::max(4.0, kLeastShareOfBall * ball);
     if (b.area < least || b.strong < std::max(2.0, 0.25 * least)) continue;
+    if (b.strong < kStrongShare * b.area) continue;
     // What is small or thin and lies along edges of the plate is an edge that did not quite fit.
-    const double person = kSmallPerson * std::pow(scale > 0 ? scale : 20.0, 2);
+    const double person = kSmallPerson * std::pow(scale > 0 ? scale : kLeastScale, 2);
     const int length = std::max(b.right - b.left, b.bottom - b.top) + 1;
-    if (b.on_edge > kEdgeShare * b.area && (b.area < person || b.area < kThin * length)) continue;
+    b.doubtful = b.on_edge > kEdgeShare * b.area && (b.area < person || b.area < kThin * length);
     const bool at_border = b.bottom >= height - 2;
     b.keep =
         at_border || passes_volume(camera, pitch,
@@ -161,38 +234,25 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference, const Frame
   }
 
   image::Image<std::uint8_t> bodies(width, height, 0);
-  for (const auto& run : runs)
-    if (blobs[static_cast<std::size_t>(run.parent)].keep)
-      std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
-
-  // Holes: background not connected to the frame's border.
-  auto gaps = connect(width, height, false, [&](int x, int y) { return bodies.row(y)[x] == 0; });
-  std::vector<Blob> holes(gaps.size());
-  for (std::size_t i = 0; i < gaps.size(); ++i) {
-    const int r = root(gaps, static_cast<int>(i));
-    gaps[i].parent = r;
-    Blob& b = holes[static_cast<std::size_t>(r)];
-    const Run& run = gaps[i];
-    b.area += run.end - run.begin;
-    b.left = std::min(b.left, run.begin);
-    b.right = std::max(b.right, run.end - 1);
-    b.top = std::min(b.top, run.y);
-    b.bottom = std::max(b.bottom, run.y);
-    b.bottom_x = run.begin;
-    const std::uint8_t* row = distance.row(run.y);
-    for (int x = run.begin; x < run.end; ++x) b.sum += row[x];
-  }
-  for (const auto& run : gaps) {
-    Blob& b = holes[static_cast<std::size_t>(run.parent)];
-    if (b.left == 0 || b.top == 0 || b.right == width - 1 || b.bottom == height - 1) continue;
-    const double scale = grid.scale_at(b.bottom_x, b.bottom);
-    const double mean = b.sum / b.area / kDistanceScale;
-    const double small = std::max(4.0, std::pow(kSmallHole * scale, 2));
-    const double unlike = mean / options.weak_sigma;
-    const double largest = std::pow(0.25 * std::max(scale, 20.0), 2);
-    if (b.area <= 4 || (b.area <= small && unlike > 0.6) || (b.area <= largest && unlike > 1.5))
+  for (const auto& run : runs) {
+    const Blob& b = blobs[static_cast<std::size_t>(run.parent)];
+    if (b.keep && !b.doubtful)
       std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
   }
+  // A limb before an edge of the plate is a limb when there is a body it can belong to.
+  for (auto& b : blobs) {
+    if (b.area == 0 || !b.keep || !b.doubtful) continue;
+    const double scale = std::max<double>(grid.scale_at(b.bottom_x, b.bottom), kLeastScale);
+    const int length = std::max(b.right - b.left, b.bottom - b.top) + 1;
+    b.doubtful = b.strong < kLimbStrong * b.area || b.area < kThinLimb * length ||
+                 !touches(bodies, b, static_cast<int>(std::ceil(kLimbGap * scale)));
+  }
+  for (const auto& run : runs) {
+    const Blob& b = blobs[static_cast<std::size_t>(run.parent)];
+    if (b.keep && !b.doubtful)
+      std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
+  }
+  close_holes(difference, grid, options, bodies);
   return bodies;
 }
 

@@ -14,7 +14,10 @@ namespace touchline::key {
 // 1 on bodies: pixels beyond the weak distance that are connected to enough pixels beyond the
 // strong one, in components large enough to be a ball at that place, whose lowest pixel can be over
 // the pitch; with holes closed that are not like the plate.
-image::Image<std::uint8_t> find_bodies(const Difference& difference, const FrameGrid& grid,
+// `peak` is the strongest difference within kPeakReach of a pixel.
+image::Image<std::uint8_t> find_bodies(const Difference& difference,
+                                       const image::Image<std::uint8_t>& peak,
+                                       const FrameGrid& grid,
                                        const geometry::CameraEstimate& camera,
                                        const pitch::PitchModel& pitch, const KeyOptions& options);
 

@@ -12,6 +12,7 @@
 namespace touchline::key {
 
 inline constexpr float kDistanceScale = 4;  // a stored unit is 1/4 of a standard deviation
+inline constexpr int kPeakReach = 4;        // pixels within which the strongest difference counts
 
 // The background expected at a pixel: code values, luma from black (64) and chroma from grey (512).
 struct Expected {
@@ -22,24 +23,32 @@ struct Expected {
 // Luma 0 when the frame shows too little turf.
 Expected turf_colour(const image::Frame& frame, const FrameGrid& grid);
 
+// Only the cells of `active` have values; the images are 0 elsewhere.
 struct Difference {
+  CellMask active;
   image::Image<std::uint8_t> edge;      // 1 where the plate has an edge
   image::Image<std::uint8_t> distance;  // in kDistanceScale, saturating; 0 outside the volume
   image::Image<std::uint8_t>
       known;  // 1 = plate, 2 = turf colour alone, 0 = nothing to compare with
 };
 
+// The cells in which something may differ from the plate, with their neighbours: every second pixel
+// of every third row is looked at. Cells in which the plate misses something count as well. The
+// others show the plate and nothing else.
+CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const FrameGrid& grid,
+                     const KeyOptions& options);
+
 // A pixel against its background: the least distance to the background under any light allowed
 // (from the darkest shadow to the brightest turf, on turf; as it is elsewhere), each axis in
-// standard deviations of noise and plate. Where the plate has an edge, shifts up to
-// `calibration_px` are forgiven as well.
-Difference difference(const image::Frame& frame, const WarpedPlate& plate, const FrameGrid& grid,
-                      const Expected& turf, const KeyOptions& options);
+// standard deviations of noise and plate. Shadows keep turf's chromaticity; turf in the plate's
+// shadows may be as light as that round it. Where the plate has an edge, shifts up to
+// `calibration_px` are forgiven as well, but nothing darker or brighter than both its sides.
+// `plate` must have the cells of `active` and their neighbours.
+Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellMask active,
+                      const PlateWarper& warper, const FrameGrid& grid, const Expected& turf,
+                      const KeyOptions& options);
 
-// The greatest value within `reach` pixels, a square.
-image::Image<std::uint8_t> local_peak(const image::Image<std::uint8_t>& values, int reach);
-
-// A row of chroma at luma's resolution, code values; `which` 1 = Cb, 2 = Cr.
-void chroma_row(const image::Frame& frame, std::size_t which, int y, float* out);
+// The strongest difference within kPeakReach pixels, a square; in the active cells, 0 elsewhere.
+image::Image<std::uint8_t> local_peak(const Difference& difference);
 
 }  // namespace touchline::key

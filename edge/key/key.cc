@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "edge/key/components.h"
 #include "edge/key/difference.h"
@@ -68,11 +69,15 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   }
 
   const FrameGrid grid = make_grid(camera, pitch, o.margin_m, o.tallest_m);
-  const WarpedPlate warped = warp_plate(plate, grid, width, height);
+  const PlateWarper warper(plate, grid, width, height, o.noise_codes);
   const Expected turf = turf_colour(frame, grid);
-  const Difference diff = difference(frame, warped, grid, turf, o);
-  const auto bodies = find_bodies(diff, grid, camera, pitch, o);
-  matte.alpha = soft_alpha(frame, warped, turf, diff, bodies, o);
+  CellMask active = find_active(frame, warper, grid, o);
+  WarpedPlate warped(width, height);
+  warper.warp(active.grown(), warped);
+  const Difference diff = difference(frame, warped, std::move(active), warper, grid, turf, o);
+  const auto peak = local_peak(diff);
+  const auto bodies = find_bodies(diff, peak, grid, camera, pitch, o);
+  matte.alpha = soft_alpha(frame, warped, turf, diff, peak, bodies, o);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
 
@@ -80,27 +85,40 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   std::size_t unknown = 0;
   std::size_t no_plate = 0;
   int left = width, right = -1, top = height, bottom = -1;
-  for (int y = 0; y < height; ++y) {
-    const int j = y / kCell;
-    for (int i = 0; i * kCell < width; ++i) {
-      const int end = std::min(width, (i + 1) * kCell);
-      if (!grid.cell_in_volume(i, j)) {
-        std::fill(matte.alpha.row(y) + i * kCell, matte.alpha.row(y) + end, std::uint8_t{0});
-        std::fill(matte.unknown.row(y) + i * kCell, matte.unknown.row(y) + end, std::uint8_t{0});
+  for (int j = 0; j < grid.volume.rows; ++j)
+    for (int i = 0; i < grid.volume.columns; ++i) {
+      const int x0 = i * kCell;
+      const int x1 = std::min(width, x0 + kCell);
+      const int y0 = j * kCell;
+      const int y1 = std::min(height, y0 + kCell);
+      if (!grid.volume.at(i, j)) {
+        for (int y = y0; y < y1; ++y) {
+          std::fill(matte.alpha.row(y) + x0, matte.alpha.row(y) + x1, std::uint8_t{0});
+          std::fill(matte.unknown.row(y) + x0, matte.unknown.row(y) + x1, std::uint8_t{0});
+        }
         continue;
       }
-      left = std::min(left, i * kCell);
-      right = std::max(right, end - 1);
-      top = std::min(top, y);
-      bottom = std::max(bottom, y);
-      for (int x = i * kCell; x < end; ++x) {
-        if (diff.known(x, y) == 0) matte.unknown(x, y) = 255;
-        no_plate += diff.known(x, y) != 1;
-        foreground += matte.alpha(x, y) >= 128;
-        unknown += matte.unknown(x, y) != 0;
+      left = std::min(left, x0);
+      right = std::max(right, x1 - 1);
+      top = std::min(top, y0);
+      bottom = std::max(bottom, y1 - 1);
+      const bool looked_at = diff.active.at(i, j);
+      for (int y = y0; y < y1; ++y) {
+        std::uint8_t* hidden = matte.unknown.row(y);
+        if (looked_at) {
+          const std::uint8_t* alpha = matte.alpha.row(y);
+          const std::uint8_t* known = diff.known.row(y);
+          for (int x = x0; x < x1; ++x) {
+            if (known[x] == 0) hidden[x] = 255;
+            no_plate += known[x] != 1;
+            foreground += alpha[x] >= 128;
+          }
+        }
+        int sum = 0;
+        for (int x = x0; x < x1; ++x) sum += hidden[x] != 0;
+        unknown += static_cast<std::size_t>(sum);
       }
     }
-  }
   matte.region = right < left ? image::Rect{0, 0, 0, 0}
                               : image::Rect{left, top, right - left + 1, bottom - top + 1};
   const double all = static_cast<double>(width) * height;

@@ -1,24 +1,89 @@
 // The plate as the camera of one frame sees it.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "edge/key/volume.h"
-#include "shared/geometry/camera_estimate.h"
 #include "shared/image/image.h"
 #include "shared/image/plate_snapshot.h"
 
 namespace touchline::key {
 
-// Frame-sized; code values times 16. Luma 0 = the plate has nothing there, or nobody can be there.
-struct WarpedPlate {
-  image::Image<std::uint16_t> y, cb, cr;
-  image::Image<std::uint16_t> luma_deviation, chroma_deviation;
+// A frame-sized plane of which only some cells are ever written, and read.
+class WarpPlane {
+ public:
+  WarpPlane(int width, int height)
+      : width_(width),
+        values_(std::make_unique_for_overwrite<std::uint16_t[]>(
+            static_cast<std::size_t>(width) * static_cast<std::size_t>(height))) {}
+  std::uint16_t* row(int y) { return values_.get() + static_cast<std::ptrdiff_t>(y) * width_; }
+  const std::uint16_t* row(int y) const {
+    return values_.get() + static_cast<std::ptrdiff_t>(y) * width_;
+  }
+  std::uint16_t operator()(int x, int y) const { return row(y)[x]; }
+
+ private:
+  int width_;
+  std::unique_ptr<std::uint16_t[]> values_;
 };
 
-// Bilinear; positions are computed at the grid's nodes and interpolated between. Cells outside the
-// volume are left at 0.
-WarpedPlate warp_plate(const image::PlateSnapshot& plate, const FrameGrid& grid, int width,
-                       int height);
+// Code values times 16. Luma 0 = the plate has nothing there, or nobody can be there.
+struct WarpedPlate {
+  WarpedPlate(int width, int height)
+      : y(width, height),
+        cb(width, height),
+        cr(width, height),
+        luma_deviation(width, height),
+        chroma_deviation(width, height),
+        done(width, height) {}
+  WarpPlane y, cb, cr;
+  WarpPlane luma_deviation, chroma_deviation;
+  CellMask done;  // cells that have values; the others must not be read
+};
+
+// Eight samples of the plate, code values times 16.
+struct PlateSamples {
+  alignas(16) std::array<std::uint16_t, 8> y, cb, cr, luma_deviation, chroma_deviation;
+  alignas(16) std::array<std::uint16_t, 8> range;  // of luma between the samples round the position
+};
+
+// Looks the plate up by positions in the frame: bilinear; plate positions are computed at the
+// grid's nodes and interpolated between. On turf a deviation counts up to a bound taken from all
+// the turf in sight: people who pass widen it where they do, which must not hide the next one. Turf
+// that the plate has filled in, or seen once, keeps the deviation it was given.
+class PlateWarper {
+ public:
+  // `noise_codes` of luma, code values: the least that the bound is derived from.
+  PlateWarper(const image::PlateSnapshot& plate, const FrameGrid& grid, int width, int height,
+              double noise_codes);
+
+  bool empty() const { return tiles_.empty(); }
+  // Pixels x, x + step .. x + 7 step of a row, all in one cell; step 1 or 2.
+  void sample(int x, int y, int step, PlateSamples& out) const;
+  // Fills the marked cells that are not done; those outside the volume with 0.
+  void warp(const CellMask& cells, WarpedPlate& out) const;
+  // Luma of the turf round a cell, code values less black; 0 = unknown.
+  float turf_luma(int i, int j) const;
+
+ private:
+  struct Cell;
+  const image::PlateTile* tile(int column, int row) const;
+  Cell cell(int i, int j) const;
+  void sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane) const;
+  void sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const;
+  void measure_turf(double noise_codes);
+
+  const FrameGrid& grid_;
+  int width_, height_;
+  float turn_ = 0;
+  std::vector<float> node_u_, node_v_;
+  std::int32_t first_column_ = 0, last_column_ = -1, first_row_ = 0, last_row_ = -1;
+  std::vector<const image::PlateTile*> tiles_;
+  std::uint16_t luma_bound_ = 0xffff, chroma_bound_ = 0xffff;
+  std::vector<float> turf_luma_;  // at every second of the grid's nodes
+};
 
 }  // namespace touchline::key

@@ -10,8 +10,8 @@ namespace touchline::key {
 namespace {
 
 constexpr int kBand = 2;              // pixels on either side of the boundary that are mixed
+constexpr int kShadeBlock = 4;        // pixels that share a figure for the shadow
 constexpr int kFar = 7;               // depths are told apart up to this
-constexpr int kPeakReach = 4;         // as far as the strongest difference round a pixel is sought
 constexpr float kSureShare = 0.55f;   // of that peak, for a pixel of pure foreground
 constexpr float kUnexplained = 0.3f;  // share of a pixel's squared difference no mix explains
 constexpr float kChromaWeight = 2;    // chroma is noisier by format, steadier by light
@@ -85,7 +85,14 @@ image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies,
 class Mixer {
  public:
   Mixer(const image::Frame& frame, const WarpedPlate& plate, const Expected& turf)
-      : frame_(frame), plate_(plate), turf_(turf), shift_(image::chroma_shift(frame.format)) {}
+      : frame_(frame),
+        plate_(plate),
+        turf_(turf),
+        shift_(image::chroma_shift(frame.format)),
+        shade_columns_(frame.width() / kShadeBlock + 1),
+        shades_(static_cast<std::size_t>(shade_columns_) *
+                    static_cast<std::size_t>(frame.height() / kShadeBlock + 1),
+                0.f) {}
 
   std::array<float, 3> pixel(int x, int y) const {
     const float luma = frame_.planes[0](x, y) - 64.f;
@@ -96,8 +103,20 @@ class Mixer {
     return {plate_.y(x, y) * 0.0625f - 64.f, plate_.cb(x, y) * 0.0625f - 512.f,
             plate_.cr(x, y) * 0.0625f - 512.f};
   }
-  // Luma of the background round here over the plate's: the shadow people stand in.
-  float shade(const image::Image<std::int8_t>& depth, int x, int y) const {
+  // Luma of the background round here over the plate's: the shadow people stand in. One figure for
+  // four by four pixels.
+  float shade(const image::Image<std::int8_t>& depth, int x, int y) {
+    float& known = shades_[static_cast<std::size_t>(y / kShadeBlock) *
+                               static_cast<std::size_t>(shade_columns_) +
+                           static_cast<std::size_t>(x / kShadeBlock)];
+    if (known == 0)
+      known = measure_shade(depth, x / kShadeBlock * kShadeBlock + kShadeBlock / 2,
+                            y / kShadeBlock * kShadeBlock + kShadeBlock / 2);
+    return known;
+  }
+
+ private:
+  float measure_shade(const image::Image<std::int8_t>& depth, int x, int y) const {
     float seen = 0;
     float expected = 0;
     for (int v = -6; v <= 6; v += 2)
@@ -111,8 +130,6 @@ class Mixer {
     if (expected < 100.f) return 1;
     return std::clamp(seen / expected, 0.3f, 1.25f);
   }
-
- private:
   float chroma(std::size_t which, int x, int y) const {
     const auto& p = frame_.planes[which];
     const int cy = std::min(y >> shift_.y, p.height() - 1);
@@ -126,6 +143,8 @@ class Mixer {
   const WarpedPlate& plate_;
   const Expected& turf_;
   image::ChromaShift shift_;
+  int shade_columns_;
+  std::vector<float> shades_;  // 0 = not measured yet
 };
 
 // Where a foreground colour is looked for.
@@ -139,13 +158,13 @@ constexpr std::array<std::array<int, 2>, 32> kOffsets{
 
 image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPlate& plate,
                                       const Expected& turf, const Difference& difference,
+                                      const image::Image<std::uint8_t>& peak,
                                       const image::Image<std::uint8_t>& bodies,
                                       const KeyOptions& options) {
   const ActiveCells cells(bodies);
   const auto depth = signed_depth(bodies, cells);
-  const Mixer mixer(frame, plate, turf);
+  Mixer mixer(frame, plate, turf);
   const auto& distance = difference.distance;
-  const auto peak = local_peak(distance, kPeakReach);
   const auto sure = [&](int x, int y) {
     return bodies(x, y) && distance(x, y) >= kSureShare * peak(x, y);
   };

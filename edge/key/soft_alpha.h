@@ -16,6 +16,7 @@ namespace touchline::key {
 // by, the one that explains them best. What no mix explains is foreground of its own colour.
 image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPlate& plate,
                                       const Expected& turf, const Difference& difference,
+                                      const image::Image<std::uint8_t>& peak,
                                       const image::Image<std::uint8_t>& bodies,
                                       const KeyOptions& options);
 

@@ -36,16 +36,29 @@ cv::Point fixed(const Eigen::Vector2d& p) {
 
 }  // namespace
 
-bool FrameGrid::cell_in_volume(int i, int j) const {
-  for (int v = std::max(0, j - 1); v <= std::min(rows - 1, j + 2); ++v)
-    for (int u = std::max(0, i - 1); u <= std::min(columns - 1, i + 2); ++u)
-      if (in_volume[index(u, v)]) return true;
-  return false;
+CellMask CellMask::grown() const {
+  CellMask out = *this;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      if (!at(i, j)) continue;
+      for (int v = std::max(0, j - 1); v <= std::min(rows - 1, j + 1); ++v)
+        for (int u = std::max(0, i - 1); u <= std::min(columns - 1, i + 1); ++u) out(u, v) = 1;
+    }
+  return out;
 }
 
-bool FrameGrid::cell_on_turf(int i, int j) const {
-  return on_turf[index(i, j)] || on_turf[index(i + 1, j)] || on_turf[index(i, j + 1)] ||
-         on_turf[index(i + 1, j + 1)];
+std::vector<Span> spans(const CellMask& mask, int j, int width) {
+  std::vector<Span> out;
+  for (int i = 0; i < mask.columns; ++i) {
+    if (!mask.at(i, j)) continue;
+    const int begin = i * kCell;
+    const int end = std::min(width, begin + kCell);
+    if (!out.empty() && out.back().end == begin)
+      out.back().end = end;
+    else
+      out.push_back({begin, end});
+  }
+  return out;
 }
 
 float FrameGrid::scale_at(int x, int y) const {
@@ -78,6 +91,19 @@ FrameGrid make_grid(const geometry::CameraEstimate& camera, const pitch::PitchMo
           static_cast<float>(camera.model.fx / std::max((*hit - origin).norm(), 0.1));
       grid.on_turf[n] = std::abs(hit->x()) < pitch.length_m / 2 + pitch.in_goal_m + margin_m &&
                         std::abs(hit->y()) < pitch.width_m / 2 + margin_m;
+    }
+  grid.volume = CellMask(camera.model.width, camera.model.height);
+  grid.turf = grid.volume;
+  for (int j = 0; j < grid.volume.rows; ++j)
+    for (int i = 0; i < grid.volume.columns; ++i) {
+      bool in = false;
+      for (int v = std::max(0, j - 1); v <= std::min(grid.rows - 1, j + 2); ++v)
+        for (int u = std::max(0, i - 1); u <= std::min(grid.columns - 1, i + 2); ++u)
+          in = in || grid.in_volume[grid.index(u, v)];
+      grid.volume(i, j) = in;
+      grid.turf(i, j) =
+          in && (grid.on_turf[grid.index(i, j)] || grid.on_turf[grid.index(i + 1, j)] ||
+                 grid.on_turf[grid.index(i, j + 1)] || grid.on_turf[grid.index(i + 1, j + 1)]);
     }
   return grid;
 }

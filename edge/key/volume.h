@@ -13,6 +13,38 @@ namespace touchline::key {
 
 inline constexpr int kCell = 16;  // pixels of a cell of the grids below
 
+// Marks on the 16x16 cells of a frame, those of its right and lower border cut by it.
+struct CellMask {
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> on;
+
+  CellMask() = default;
+  CellMask(int width, int height)
+      : columns((width + kCell - 1) / kCell),
+        rows((height + kCell - 1) / kCell),
+        on(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0) {}
+  std::uint8_t& operator()(int i, int j) {
+    return on[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
+              static_cast<std::size_t>(i)];
+  }
+  // False beyond the frame.
+  bool at(int i, int j) const {
+    return i >= 0 && j >= 0 && i < columns && j < rows &&
+           on[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
+              static_cast<std::size_t>(i)];
+  }
+  // Marks the neighbours of marked cells as well.
+  CellMask grown() const;
+};
+
+// Pixels [begin, end) of every row of a row of cells.
+struct Span {
+  int begin, end;
+};
+// The marked cells of row `j` of cells, neighbours joined, left to right.
+std::vector<Span> spans(const CellMask& mask, int j, int width);
+
 // What a ray meets, at the corners of 16x16 cells: (width/16 + 2) by (height/16 + 2) nodes.
 struct FrameGrid {
   int columns = 0;  // nodes
@@ -26,9 +58,8 @@ struct FrameGrid {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
            static_cast<std::size_t>(i);
   }
-  // Any corner of the cell, or of its neighbours: the grid is coarse and errs on the wide side.
-  bool cell_in_volume(int i, int j) const;
-  bool cell_on_turf(int i, int j) const;
+  CellMask volume;  // any corner of the cell, or of its neighbours: errs on the wide side
+  CellMask turf;    // any corner of the cell, inside the volume
   float scale_at(int x, int y) const;  // pixels a metre near a pixel; 0 off the turf
 };
 
