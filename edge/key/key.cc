@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "edge/key/alike.h"
 #include "edge/key/components.h"
 #include "edge/key/difference.h"
 #include "edge/key/plate_warp.h"
@@ -23,6 +24,7 @@ KeyOptions bounded(KeyOptions o) {
   o.brightest_turf = std::clamp(o.brightest_turf, 1.0, 3.0);
   o.margin_m = std::clamp(o.margin_m, 0.0, 50.0);
   o.tallest_m = std::clamp(o.tallest_m, 1.0, 5.0);
+  o.alike_reach_m = std::clamp(o.alike_reach_m, 0.0, 2.0);
   o.occluder_margin_px = std::clamp(o.occluder_margin_px, 0.0, 20.0);
   return o;
 }
@@ -43,7 +45,7 @@ base::Status KeyOptions::validate() const {
         in_bounds("calibration_px", calibration_px, 0, 5),
         in_bounds("darkest_shadow", darkest_shadow, 0.05, 1),
         in_bounds("brightest_turf", brightest_turf, 1, 3), in_bounds("margin_m", margin_m, 0, 50),
-        in_bounds("tallest_m", tallest_m, 1, 5),
+        in_bounds("tallest_m", tallest_m, 1, 5), in_bounds("alike_reach_m", alike_reach_m, 0, 2),
         in_bounds("occluder_margin_px", occluder_margin_px, 0, 20)})
     if (!s) return s;
   return {};
@@ -80,6 +82,7 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   matte.alpha = soft_alpha(frame, warped, turf, diff, peak, bodies, o);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
+  mark_alike(frame, diff, bodies, matte.alpha, grid, o, matte.unknown);
 
   std::size_t foreground = 0;
   std::size_t unknown = 0;

@@ -19,6 +19,7 @@ struct KeyOptions {
   double brightest_turf = 1.25;     // luma of turf over the plate's, most; 1..3
   double margin_m = 5;              // people stand at most this far beyond the outer lines; 0..50
   double tallest_m = 2.6;           // and reach this high; 1..5
+  double alike_reach_m = 0.45;      // from a body, where its own colours in the plate hide it; 0..2
   double occluder_margin_px = 2.5;  // margin round goal frames, nets and flags; 0..20
 
   base::Status validate() const;
@@ -27,9 +28,10 @@ struct KeyOptions {
 // The matte of a compensated frame of any size the estimate's model has. Alpha is 0 outside the
 // volume in which people can be (the pitch, `margin_m` round it, up to `tallest_m`): nobody stands
 // in the sky or on the upper stands, and the crowd moves. Goal frames, nets and flag poles are
-// occluders and unknown. A lost camera, or a frame that is not of the model's size, gives a matte
-// of the frame's size with alpha 0 and everything unknown. Options out of their bounds are replaced
-// by the nearest bound.
+// occluders and unknown. Unknown is also what shows the plate close to a person in a colour that he
+// wears: there the two cannot be told apart. A lost camera, or a frame that is not of the model's
+// size, gives a matte of the frame's size with alpha 0 and everything unknown. Options out of their
+// bounds are replaced by the nearest bound.
 state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& camera,
                      const image::PlateSnapshot& plate, const pitch::PitchModel& pitch,
                      const KeyOptions& options = {});

@@ -1,0 +1,152 @@
+#include "edge/key/alike.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "edge/key/runs.h"
+
+namespace touchline::key {
+namespace {
+
+constexpr double kLeastBody = 0.04;  // square metres of a body that may have parts unseen
+constexpr double kLeastScale = 20;   // pixels a metre where the turf is not in sight
+constexpr double kWornShare = 0.06;  // of a person's sure pixels, for a colour he wears
+constexpr int kLeastSure = 12;       // sure pixels that tell a person's colours
+constexpr int kLumaBits = 5;         // code values of a step of the palette: 32
+constexpr int kChromaBits = 4;       // 16
+constexpr int kLumaSteps = 1024 >> kLumaBits;
+constexpr int kChromaSteps = 1024 >> kChromaBits;
+
+struct Body {
+  int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
+  int area = 0;
+  int reach = 0;  // pixels
+  bool near(const Body& o) const {
+    const int r = std::max(reach, o.reach);
+    return left - r <= o.right && o.left - r <= right && top - r <= o.bottom && o.top - r <= bottom;
+  }
+};
+
+std::vector<Body> find(const image::Image<std::uint8_t>& bodies, const CellMask& cells,
+                       const FrameGrid& grid, double reach_m) {
+  auto runs = connect(bodies.width(), bodies.height(), cells, true,
+                      [&](int x, int y) { return bodies.row(y)[x] != 0; });
+  std::vector<Body> all(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    Body& b = all[static_cast<std::size_t>(root(runs, static_cast<int>(i)))];
+    b.left = std::min(b.left, runs[i].begin);
+    b.right = std::max(b.right, runs[i].end - 1);
+    b.top = std::min(b.top, runs[i].y);
+    b.bottom = runs[i].y;
+    b.area += runs[i].end - runs[i].begin;
+  }
+  std::erase_if(all, [](const Body& b) { return b.area == 0; });
+  for (Body& b : all) {
+    const double scale =
+        std::max<double>(grid.scale_at((b.left + b.right) / 2, b.bottom), kLeastScale);
+    b.reach = static_cast<int>(std::lround(reach_m * scale));
+  }
+  return all;
+}
+
+// How many of a person's sure pixels have nearly a colour.
+class Palette {
+ public:
+  Palette()
+      : count_(static_cast<std::size_t>(kLumaSteps) * kChromaSteps * kChromaSteps, 0),
+        near_(count_.size(), 0) {}
+  void clear() {
+    for (const std::size_t n : used_) count_[n] = 0;
+    for (const std::size_t n : touched_) near_[n] = 0;
+    used_.clear();
+    touched_.clear();
+    total_ = 0;
+  }
+  void add(int y, int cb, int cr) {
+    const std::size_t n = index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits);
+    if (count_[n]++ == 0) used_.push_back(n);
+    ++total_;
+  }
+  void finish() {
+    for (const std::size_t n : used_) {
+      const int r = static_cast<int>(n % kChromaSteps);
+      const int b = static_cast<int>(n / kChromaSteps % kChromaSteps);
+      const int y = static_cast<int>(n / kChromaSteps / kChromaSteps);
+      for (int v = std::max(0, y - 1); v <= std::min(kLumaSteps - 1, y + 1); ++v)
+        for (int u = std::max(0, b - 1); u <= std::min(kChromaSteps - 1, b + 1); ++u)
+          for (int w = std::max(0, r - 1); w <= std::min(kChromaSteps - 1, r + 1); ++w) {
+            const std::size_t m = index(v, u, w);
+            if (near_[m] == 0) touched_.push_back(m);
+            near_[m] += count_[n];
+          }
+    }
+  }
+  int total() const { return total_; }
+  bool worn(int y, int cb, int cr) const {
+    return near_[index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits)] >=
+           kWornShare * total_;
+  }
+
+ private:
+  static std::size_t index(int y, int cb, int cr) {
+    return (static_cast<std::size_t>(y & (kLumaSteps - 1)) * kChromaSteps +
+            static_cast<std::size_t>(cb & (kChromaSteps - 1))) *
+               kChromaSteps +
+           static_cast<std::size_t>(cr & (kChromaSteps - 1));
+  }
+  std::vector<int> count_, near_;
+  std::vector<std::size_t> used_, touched_;
+  int total_ = 0;
+};
+
+}  // namespace
+
+void mark_alike(const image::Frame& frame, const Difference& difference,
+                const image::Image<std::uint8_t>& bodies, const image::Image<std::uint8_t>& alpha,
+                const FrameGrid& grid, const KeyOptions& options,
+                image::Image<std::uint8_t>& unknown) {
+  if (options.alike_reach_m <= 0) return;
+  const std::vector<Body> all = find(bodies, difference.active, grid, options.alike_reach_m);
+  const auto shift = image::chroma_shift(frame.format);
+  const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
+  const auto strong =
+      static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
+  const auto chroma = [&](std::size_t which, int x, int y) {
+    return static_cast<int>(frame.planes[which](x >> shift.x, y >> shift.y));
+  };
+  Palette palette;
+  cv::Mat away;
+  for (const Body& body : all) {
+    const double scale = body.reach / options.alike_reach_m;
+    if (body.area < kLeastBody * scale * scale) continue;
+    palette.clear();
+    for (const Body& other : all) {
+      if (!body.near(other)) continue;
+      for (int y = other.top; y <= other.bottom; ++y)
+        for (int x = other.left; x <= other.right; ++x)
+          if (alpha(x, y) == 255 && difference.distance(x, y) >= strong)
+            palette.add(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y));
+    }
+    if (palette.total() < kLeastSure) continue;
+    palette.finish();
+
+    const int x0 = std::max(0, body.left - body.reach);
+    const int x1 = std::min(bodies.width(), body.right + body.reach + 1);
+    const int y0 = std::max(0, body.top - body.reach);
+    const int y1 = std::min(bodies.height(), body.bottom + body.reach + 1);
+    cv::Mat outside(y1 - y0, x1 - x0, CV_8U);
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) outside.at<std::uint8_t>(y - y0, x - x0) = !bodies(x, y);
+    cv::distanceTransform(outside, away, cv::DIST_L2, 3);
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) {
+        if (alpha(x, y) != 0 || difference.distance(x, y) >= weak) continue;
+        if (!palette.worn(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y))) continue;
+        if (away.at<float>(y - y0, x - x0) <= static_cast<float>(body.reach)) unknown(x, y) = 255;
+      }
+  }
+}
+
+}  // namespace touchline::key
