@@ -64,8 +64,11 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path) {
   config::Table source = document->root().table("source");
   const std::string recording = source.text("recording", "");
   if (!recording.empty()) out.recording = path.parent_path() / recording;
-  out.pace = source.choice<capture::Pace>(
-      "pace", out.pace, {{"max", capture::Pace::kFast}, {"real", capture::Pace::kReal}});
+  if (source.has("pace")) {
+    out.pace = source.choice<capture::Pace>(
+        "pace", capture::Pace::kReal,
+        {{"max", capture::Pace::kFast}, {"real", capture::Pace::kReal}});
+  }
   config::Table wire = document->root().table("wire");
   read_link(wire, out.link);
   out.hub_timeout_s = wire.number("hub_timeout_s", out.hub_timeout_s, {1, 3600});
@@ -118,17 +121,28 @@ base::Result<ChainSetup> chain_setup(const recording::Recording& recording,
   return setup;
 }
 
-base::Result<std::vector<image::Frame>> load_stills(const recording::CameraEntry& camera) {
-  std::vector<image::Frame> stills;
-  if (camera.survey.empty()) return stills;
+SurveyStills load_stills(const recording::CameraEntry& camera) {
+  SurveyStills out;
+  if (camera.survey.empty()) return out;
   auto paths = recording::survey_stills(camera);
-  if (!paths) return base::fail(paths.error());
+  if (!paths) {
+    out.troubles.push_back(paths.error());
+    return out;
+  }
   for (const std::filesystem::path& path : *paths) {
     auto still = recording::read_still(path);
-    if (!still) return base::fail(still.error());
-    stills.push_back(std::move(*still));
+    if (!still) {
+      out.troubles.push_back(still.error());
+    } else if (still->width() != camera.width || still->height() != camera.height) {
+      out.troubles.push_back({base::ErrorKind::kConfiguration, path.string(),
+                              fmt::format("a still of {}x{} for a camera of {}x{}", still->width(),
+                                          still->height(), camera.width, camera.height),
+                              "take the stills from the camera's own output"});
+    } else {
+      out.frames.push_back(std::move(*still));
+    }
   }
-  return stills;
+  return out;
 }
 
 }  // namespace touchline::edge

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace touchline::edge {
 struct EdgeConfig {
   base::CameraId camera;
   std::filesystem::path recording;  // the source of this unit's frames
-  capture::Pace pace = capture::Pace::kFast;
+  // None: wall-clock in live mode, as fast as the machine goes in replay.
+  std::optional<capture::Pace> pace;
   wire::LinkOptions link;
   double hub_timeout_s = 60;  // how long the unit waits for a hub at the start, seconds; 1..3600
   ChainOptions chain;
@@ -33,7 +35,12 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path);
 base::Result<ChainSetup> chain_setup(const recording::Recording& recording,
                                      const base::CameraId& camera);
 
-// The survey stills of a camera, by name; empty where it has none.
-base::Result<std::vector<image::Frame>> load_stills(const recording::CameraEntry& camera);
+// The survey stills of a camera, by name; empty where it has none. A still that cannot be read, or
+// has another size than the video, is left out and told.
+struct SurveyStills {
+  std::vector<image::Frame> frames;
+  std::vector<base::Error> troubles;
+};
+SurveyStills load_stills(const recording::CameraEntry& camera);
 
 }  // namespace touchline::edge

@@ -107,8 +107,7 @@ void process_frames(const ChainSetup& setup, const ChainOptions& options,
 
 base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& setup,
                                   const std::string& source_name, capture::FrameSource& source,
-                                  std::vector<image::Frame> stills, std::uint32_t epoch,
-                                  std::stop_token stop) {
+                                  SurveyStills stills, std::uint32_t epoch, std::stop_token stop) {
   if (base::Status status = config.validate(); !status) return base::fail(status.error());
   auto link = wire::EdgeLink::open(config.link, config.camera, epoch);
   if (!link) return base::fail(link.error());
@@ -119,6 +118,7 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
   base::BoundedQueue<Outgoing> outgoing(kPublishQueue, base::FullPolicy::kBlock);
   std::atomic<std::uint64_t> frames_read{0};
   Trouble trouble;
+  for (const base::Error& error : stills.troubles) trouble.set(error);
   EdgeReport report;
 
   // Ends the threads when the caller asks for it, or when the hub cannot be served any more.
@@ -127,7 +127,7 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
   std::jthread capture_thread(
       [&] { capture_frames(source, captured, frames_read, trouble, end.get_token()); });
   std::jthread process_thread([&] {
-    process_frames(setup, config.chain, std::move(stills), captured, outgoing, report.chain,
+    process_frames(setup, config.chain, std::move(stills.frames), captured, outgoing, report.chain,
                    trouble, end.get_token());
   });
 
@@ -171,7 +171,7 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
         if (base::Status sent = (*link)->send(publish::to_message(status)); !sent) return sent;
       }
     }
-    if (stop.stop_requested()) {
+    if (stop.stop_requested() && !live) {
       return base::fail(base::ErrorKind::kCancelled, config.camera.value,
                         "stopped before the source ended");
     }

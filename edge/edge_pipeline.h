@@ -29,7 +29,6 @@ struct EdgeReport {
 // in the report, and the hub has been told.
 base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& setup,
                                   const std::string& source_name, capture::FrameSource& source,
-                                  std::vector<image::Frame> stills, std::uint32_t epoch,
-                                  std::stop_token stop);
+                                  SurveyStills stills, std::uint32_t epoch, std::stop_token stop);
 
 }  // namespace touchline::edge

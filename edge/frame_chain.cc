@@ -71,6 +71,11 @@ calibrate::SurveyOptions survey_options(const ChainSetup& setup, const ChainOpti
 base::Status ChainOptions::validate() const {
   if (!(hold_back_s >= 0 && hold_back_s <= 2))
     return out_of_bounds("hold_back_s", hold_back_s, "0..2");
+  if (hold_back_mib < 16 || hold_back_mib > 65536)
+    return out_of_bounds("hold_back_mib", hold_back_mib, "16..65536");
+  if (!(survey_retry_s >= 0.1 && survey_retry_s <= 3600)) {
+    return out_of_bounds("survey_retry_s", survey_retry_s, "0.1..3600");
+  }
   if (detail_frames < 1 || detail_frames > 50)
     return out_of_bounds("detail_frames", detail_frames, "1..50");
   if (fixed_survey_frames < 1 || fixed_survey_frames > 64) {
@@ -118,6 +123,9 @@ struct FrameChain::Impl {
   std::vector<image::FramePtr> held;
   bool running = false;  // the hold-back is over
   bool calibrated_any = false;
+  bool stills_failed = false;
+  std::uint64_t held_bytes = 0;
+  std::uint64_t frames_since_survey = 0;
   std::uint64_t frames_since_plate = 0;
 
   ChainReport report;
@@ -157,7 +165,8 @@ struct FrameChain::Impl {
     const StageTimer timer(stage(kSurvey));
     auto result = survey_mount(setup, options, stills);
     if (!result) {
-      report.survey_error = result.error();
+      if (setup.kind != HeadKind::kCloseup) report.survey_error = result.error();
+      stills_failed = true;
       note("survey failed: " + base::to_string(result.error()));
       return;
     }
@@ -165,13 +174,14 @@ struct FrameChain::Impl {
     adopt(*result);
   }
 
-  // A camera without survey stills is solved from what it has shown so far.
-  void survey_held() {
+  // A camera without survey stills is solved from what it shows; a head from one picture, since it
+  // may move.
+  void survey_frames(const std::vector<image::FramePtr>& shown) {
     const StageTimer timer(stage(kSurvey));
     std::vector<image::Frame> frames;
     for (const std::size_t i :
-         spread(held.size(), setup.kind == HeadKind::kFixed ? options.fixed_survey_frames : 1)) {
-      frames.push_back(*held[i]);
+         spread(shown.size(), setup.kind == HeadKind::kFixed ? options.fixed_survey_frames : 1)) {
+      frames.push_back(*shown[i]);
     }
     if (frames.empty()) return;
     auto result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
@@ -180,6 +190,7 @@ struct FrameChain::Impl {
       note("not calibrated: " + base::to_string(result.error()));
       return;
     }
+    report.survey_error.reset();
     adopt(*result);
     initial = result->stills.front();
   }
@@ -195,17 +206,40 @@ struct FrameChain::Impl {
   geometry::CameraEstimate calibrate_frame(const image::Frame& frame) {
     const StageTimer timer(stage(kCalibrate));
     geometry::CameraEstimate estimate = lost(frame);
+    std::string why;
     if (calibrator) {
-      estimate = calibrator->process(frame).estimate;
-      if (estimate.lost()) estimate = lost(frame);
+      state::TrackResult tracked = calibrator->process(frame);
+      if (tracked.estimate.lost()) {
+        why = ": " + tracked.report.stopped_because;
+      } else {
+        estimate = std::move(tracked.estimate);
+      }
     }
     if (estimate.evidence != report.calibration || !calibrated_any) {
-      note(fmt::format("calibration: {} from frame {} on", geometry::name(estimate.evidence),
-                       frame.id.sequence));
+      note(fmt::format("calibration: {} from frame {} on{}", geometry::name(estimate.evidence),
+                       frame.id.sequence, why));
     }
     calibrated_any = true;
     report.calibration = estimate.evidence;
     return estimate;
+  }
+
+  void start_calibrator() {
+    if (!mount) return;
+    calibrate::CalibrateOptions calibrate_options = options.calibrate;
+    calibrate_options.fixed = setup.kind == HeadKind::kFixed;
+    calibrator = std::make_unique<calibrate::Calibrator>(pitch, *mount, calibrate_options);
+    if (initial) calibrator->start_from(*initial);
+  }
+
+  // A camera that showed no pitch at first (a cap, a test card) is tried again now and then.
+  void retry_survey(const image::FramePtr& frame) {
+    if (mount || stills_failed || setup.kind == HeadKind::kCloseup) return;
+    if (static_cast<double>(++frames_since_survey) < options.survey_retry_s * setup.rate.hz())
+      return;
+    frames_since_survey = 0;
+    survey_frames({frame});
+    start_calibrator();
   }
 
   void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
@@ -298,13 +332,8 @@ struct FrameChain::Impl {
                        report.detail.vertical[0], report.detail.vertical[1], report.detail.edges));
     }
     for (image::FramePtr& frame : held) frame = compensated(*frame);
-    if (!mount && !report.survey_error) survey_held();
-    if (mount) {
-      calibrate::CalibrateOptions calibrate_options = options.calibrate;
-      calibrate_options.fixed = setup.kind == HeadKind::kFixed;
-      calibrator = std::make_unique<calibrate::Calibrator>(pitch, *mount, calibrate_options);
-      if (initial) calibrator->start_from(*initial);
-    }
+    if (!mount && !stills_failed) survey_frames(held);
+    start_calibrator();
     std::vector<geometry::CameraEstimate> estimates;
     for (const image::FramePtr& frame : held) estimates.push_back(calibrate_frame(*frame));
     start_plate(estimates);
@@ -349,15 +378,20 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
 ChainOutput FrameChain::push(image::FramePtr frame) {
   ++impl_->report.frames_in;
   if (!impl_->running) {
+    for (const auto& plane : frame->planes)
+      impl_->held_bytes += plane.size() * sizeof(std::uint16_t);
     impl_->held.push_back(std::move(frame));
     const double needed = impl_->options.hold_back_s * impl_->setup.rate.hz();
-    if (static_cast<double>(impl_->held.size()) < std::max(needed, 1.0)) {
+    const auto budget = static_cast<std::uint64_t>(impl_->options.hold_back_mib) << 20;
+    if (static_cast<double>(impl_->held.size()) < std::max(needed, 1.0) &&
+        impl_->held_bytes < budget) {
       return impl_->done({});
     }
     return impl_->release();
   }
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
+  impl_->retry_survey(clean);
   const geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
   if (!impl_->plate && !estimate.lost()) impl_->start_plate({estimate});
   impl_->learn_plate(*clean, estimate);

@@ -74,8 +74,7 @@ int run(const Arguments& arguments) {
   if (!recording) return failed(recording.error());
   auto setup = edge::chain_setup(*recording, config->camera);
   if (!setup) return failed(setup.error());
-  auto stills = edge::load_stills(*recording->find(config->camera));
-  if (!stills) return failed(stills.error());
+  edge::SurveyStills stills = edge::load_stills(*recording->find(config->camera));
   // The epoch grows each time the unit starts.
   const auto epoch =
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(
@@ -83,13 +82,14 @@ int run(const Arguments& arguments) {
                                      .count());
   runtime::SteadyClock clock;
   capture::RecordingSourceOptions source_options;
-  source_options.pace = config->pace;
+  const bool live = config->link.mode == wire::Mode::kLive;
+  source_options.pace = config->pace.value_or(live ? capture::Pace::kReal : capture::Pace::kFast);
   auto source =
       capture::RecordingSource::open(*recording, config->camera, epoch, clock, source_options);
   if (!source) return failed(source.error());
   (*service)->ready("running from a recording");
   auto report = edge::run_edge(*config, *setup, config->recording.string(), **source,
-                               std::move(*stills), epoch, (*service)->stop_token());
+                               std::move(stills), epoch, (*service)->stop_token());
   (*service)->stopping("");
   if (!report) return failed(report.error());
   if (arguments.json) {
@@ -204,13 +204,17 @@ int check(const Arguments& arguments) {
   }
   checks.report("video", video,
                 fmt::format("{}x{} {}", entry.width, entry.height, base::to_string(entry.rate)));
-  auto stills = edge::load_stills(entry);
-  checks.report("stills", status_of(stills), stills ? fmt::format("{}", stills->size()) : "");
-  if (stills && !stills->empty()) {
-    const auto survey = edge::survey_mount(*setup, config->chain, *stills);
+  edge::SurveyStills stills = edge::load_stills(entry);
+  checks.report(
+      "stills",
+      stills.troubles.empty() ? base::Status() : base::Status(base::fail(stills.troubles.front())),
+      fmt::format("{}", stills.frames.size()));
+  if (!stills.frames.empty()) {
+    const std::size_t count = stills.frames.size();
+    const auto survey = edge::survey_mount(*setup, config->chain, stills.frames);
     checks.report("survey", status_of(survey),
                   survey ? fmt::format("{} of {} stills solved, rms {:.2f} px", survey->solved,
-                                       stills->size(), survey->rms_px)
+                                       count, survey->rms_px)
                          : "");
   }
   const auto link = wire::EdgeLink::open(config->link, config->camera, 0);
@@ -225,14 +229,14 @@ int survey(const Arguments& arguments) {
   if (!recording) return failed(recording.error());
   auto setup = edge::chain_setup(*recording, config->camera);
   if (!setup) return failed(setup.error());
-  auto stills = edge::load_stills(*recording->find(config->camera));
-  if (!stills) return failed(stills.error());
-  if (stills->empty()) {
+  edge::SurveyStills stills = edge::load_stills(*recording->find(config->camera));
+  for (const base::Error& trouble : stills.troubles) static_cast<void>(failed(trouble));
+  if (stills.frames.empty()) {
     return failed({base::ErrorKind::kConfiguration, config->camera.value, "has no survey stills",
                    "put 12 to 16 stills of the empty pitch in its survey folder, over the whole "
                    "range of the head"});
   }
-  const auto result = edge::survey_mount(*setup, config->chain, *stills);
+  const auto result = edge::survey_mount(*setup, config->chain, stills.frames);
   if (!result) return failed(result.error());
   const geometry::Mount& mount = result->mount;
   constexpr double kDegrees = 180 / 3.14159265358979323846;

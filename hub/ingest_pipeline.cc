@@ -21,16 +21,22 @@
 namespace touchline::hub {
 namespace {
 
+constexpr const char* kNeverAppeared = "its edge never appeared";
+
 // What one camera's unit is up to, beside its report.
 struct UnitState {
   bool gone = false;
+  std::uint64_t frames_of_run = 0;  // since the unit appeared last
 };
 
 // The loop's state. The join timer looks at it from its own thread, under the mutex.
 class Ingest {
  public:
   Ingest(const HubConfig& config, session::SessionWriter& writer, const IngestOptions& options)
-      : options_(options), writer_(writer), synchroniser_(ids(config), sync_options(config)) {
+      : options_(options),
+        live_(config.link.mode == wire::Mode::kLive),
+        writer_(writer),
+        synchroniser_(ids(config), sync_options(config)) {
     for (const session::SessionCamera& camera : config.info.cameras) {
       report_.cameras.push_back({});
       report_.cameras.back().camera = camera.id;
@@ -56,7 +62,7 @@ class Ingest {
     joining_over_ = true;
     for (IngestCamera& camera : report_.cameras) {
       if (camera.appeared) continue;
-      camera.trouble = "its edge never appeared";
+      camera.trouble = kNeverAppeared;
       base::log_error(camera.camera.value + ": " + camera.trouble);
     }
   }
@@ -64,6 +70,8 @@ class Ingest {
   base::Status finish() {
     for (std::size_t i = 0; i < units_.size(); ++i) {
       IngestCamera& camera = report_.cameras[i];
+      // Live, the hub is stopped when the match is over: that is no trouble.
+      if (live_) camera.ended = true;
       if (!camera.ended && camera.trouble.empty()) camera.trouble = "stopped before its end";
     }
     if (base::Status status = count(synchroniser_.finish()); !status) return status;
@@ -147,13 +155,17 @@ class Ingest {
     last_ = std::max(last_, view->stamp.media_time);
     if (base::Status status = writer_.append(*view); !status) return status;
     ++camera->frames;
+    ++units_[index_of(name)].frames_of_run;
     if (view->estimate.lost()) ++camera->frames_lost_track;
     for (const codec::EncodedPart& part : view->parts) camera->bytes += part.bytes.size();
     if (options_.progress) options_.progress(report_);
     // The session has the parts; who was there needs none, and a camera may run far ahead of
     // another.
     view->parts.clear();
-    return count(synchroniser_.push(std::move(*view)));
+    base::Status status = count(synchroniser_.push(std::move(*view)));
+    // Live, time is that of the newest frame: what is due by then goes.
+    if (status && live_) status = count(synchroniser_.advance(last_));
+    return status;
   }
 
   base::Status on(wire::PlateMessage message) {
@@ -189,8 +201,9 @@ class Ingest {
     IngestCamera* camera = find(message.camera);
     if (camera == nullptr) return {};
     camera->ended = true;
-    if (camera->frames != message.frames_sent && camera->trouble.empty()) {
-      camera->trouble = fmt::format("{} of {} frames arrived", camera->frames, message.frames_sent);
+    const std::uint64_t arrived = units_[index_of(message.camera)].frames_of_run;
+    if (!live_ && arrived != message.frames_sent && camera->trouble.empty()) {
+      camera->trouble = fmt::format("{} of {} frames arrived", arrived, message.frames_sent);
       base::log_error(message.camera + ": " + camera->trouble);
     }
     return count(synchroniser_.end(camera->camera));
@@ -199,8 +212,17 @@ class Ingest {
   base::Status on(const wire::UnitAppeared& message) {
     const std::size_t i = index_of(message.camera);
     if (i >= units_.size()) return {};
-    report_.cameras[i].appeared = true;
-    units_[i].gone = false;
+    IngestCamera& camera = report_.cameras[i];
+    camera.appeared = true;
+    camera.ended = false;
+    units_[i] = {};
+    if (camera.trouble == kNeverAppeared) camera.trouble.clear();
+    if (live_ && !camera.trouble.empty()) {
+      // It is back; what happened stays in the session.
+      const session::Event past{last_, camera.camera, "trouble", camera.trouble};
+      camera.trouble.clear();
+      return writer_.append(past);
+    }
     return {};
   }
 
@@ -230,6 +252,7 @@ class Ingest {
   }
 
   const IngestOptions& options_;
+  const bool live_;
   session::SessionWriter& writer_;
   synchronise::Synchroniser synchroniser_;
   IngestReport report_;

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -40,6 +41,7 @@ struct Arguments {
   double voxel_m = 0;
   bool foreground = false;
   bool force = false;
+  bool each_start = false;
   bool decode = false;
   bool json = false;
 };
@@ -55,6 +57,15 @@ hub::Progress progress(const char* what) {
   return [what](std::size_t done, std::size_t all) {
     std::fprintf(stderr, "\r%s %zu of %zu%s", what, done, all, done == all ? "\n" : "");
   };
+}
+
+// "20261122-143005", UTC: a name for a session that sorts by time.
+std::string time_of_start() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  return std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &utc) > 0 ? text : "session";
 }
 
 int run(const Arguments& arguments) {
@@ -92,12 +103,14 @@ int run(const Arguments& arguments) {
                                  report.cameras.size(), report.instants));
     }
   };
-  const auto report = hub::ingest(*config, arguments.session, options, (*service)->stop_token());
+  const std::filesystem::path session = arguments.session;
+  const std::filesystem::path folder = arguments.each_start ? session / time_of_start() : session;
+  const auto report = hub::ingest(*config, folder, options, (*service)->stop_token());
   (*service)->stopping("");
   if (!report) return failed(report.error());
   if (arguments.json) {
     nlohmann::ordered_json out;
-    out["session"] = arguments.session;
+    out["session"] = folder.string();
     out["complete"] = report->complete();
     out["instants"] = report->instants;
     out["whole_instants"] = report->whole_instants;
@@ -324,6 +337,8 @@ int main(int argc, char** argv) {
   Arguments arguments;
   const auto session_flag = [&](CLI::App* verb) {
     verb->add_option("--session", arguments.session, "the session's folder")->required();
+  };
+  const auto json_flag = [&](CLI::App* verb) {
     verb->add_flag("--json", arguments.json, "for machines");
   };
   const auto out_flags = [&](CLI::App* verb) {
@@ -335,11 +350,15 @@ int main(int argc, char** argv) {
   CLI::App* run_verb =
       app.add_subcommand("run", "take in what the units send and keep it as a session");
   session_flag(run_verb);
+  json_flag(run_verb);
   run_verb->add_option("--config", arguments.config, "the hub's TOML");
   run_verb->add_option("--recording", arguments.recording,
                        "take cameras and pitch from a recording instead");
   run_verb->add_option("--camera", arguments.cameras,
                        "only this camera of the recording; may be repeated");
+  run_verb->add_flag(
+      "--each-start", arguments.each_start,
+      "a fresh session in a folder inside --session, named by the time of the start");
   run_verb->add_flag("--force", arguments.force, "replace a session that is there");
   run_verb->add_option("--profile", arguments.profile, "live drops the oldest, replay never loses")
       ->check(CLI::IsMember({"live", "replay"}));
@@ -351,6 +370,7 @@ int main(int argc, char** argv) {
 
   CLI::App* render_verb = app.add_subcommand("render", "pictures of a virtual camera along a path");
   session_flag(render_verb);
+  json_flag(render_verb);
   out_flags(render_verb);
   render_verb
       ->add_option("--path", arguments.path,
@@ -382,9 +402,11 @@ int main(int argc, char** argv) {
 
   CLI::App* info_verb = app.add_subcommand("info", "what a session holds");
   session_flag(info_verb);
+  json_flag(info_verb);
   info_verb->footer("example: touchline-hub info --session out/s");
   CLI::App* verify_verb = app.add_subcommand("verify", "check every payload of a session");
   session_flag(verify_verb);
+  json_flag(verify_verb);
   verify_verb->add_flag("--decode", arguments.decode, "decode every payload as well");
   verify_verb->footer("example: touchline-hub verify --session out/s --decode");
   CLI::App* version_verb = app.add_subcommand("version", "print the version");

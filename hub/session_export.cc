@@ -144,6 +144,21 @@ base::Result<PathReport> render_path(Shot& shot, const std::vector<recording::Ca
                                      const std::filesystem::path& folder,
                                      const PathOptions& options, const Progress& progress) {
   if (base::Status status = make_folder(folder); !status) return base::fail(status.error());
+  if (path.empty())
+    return base::fail(base::ErrorKind::kArgument, "path", "it has no rows", "give a row a picture");
+  if (!options.mp4.empty()) {
+    for (const recording::CameraRow& row : path) {
+      const geometry::CameraModel model = virtual_camera(row, options.size).model;
+      const geometry::CameraModel first = virtual_camera(path.front(), options.size).model;
+      if (model.width % 2 != 0 || model.height % 2 != 0 || model.width != first.width ||
+          model.height != first.height) {
+        return base::fail(
+            base::ErrorKind::kArgument, options.mp4.string(),
+            fmt::format("a film of {}x{} pictures cannot be made", model.width, model.height),
+            "give --size with an even width and height");
+      }
+    }
+  }
   PathReport report;
   // Files are named by frame; a path that shows a frame twice (a freeze) has its pictures counted
   // instead.

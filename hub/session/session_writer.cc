@@ -73,7 +73,8 @@ class SessionWriter::Impl {
     std::int64_t ordinal = 0;
     for (const SessionCamera& camera : info.cameras) ordinals_[camera.id] = ordinal++;
   }
-  ~Impl() { static_cast<void>(finish()); }
+  // A session that was given up is readable and says that it is not finished.
+  ~Impl() { static_cast<void>(close(false)); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -139,12 +140,14 @@ class SessionWriter::Impl {
     return run(*add_event_);
   }
 
-  base::Status finish() {
+  base::Status finish() { return close(true); }
+
+  base::Status close(bool whole) {
     if (!segments_) return {};
     base::Status status = segments_->finish();
     bytes_ = segments_->bytes_written();
     segments_.reset();
-    if (status) {
+    if (status && whole) {
       status = database_.run("PRAGMA synchronous=FULL; UPDATE session SET finished=1;");
     }
     for (auto* statement : {&find_view_, &add_view_, &find_plate_, &add_plate_, &add_event_}) {

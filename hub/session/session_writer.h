@@ -33,7 +33,7 @@ class SessionWriter {
                                             const WriterOptions& options = {});
   SessionWriter(SessionWriter&&) noexcept;
   SessionWriter& operator=(SessionWriter&&) noexcept;
-  ~SessionWriter();  // finishes without a word; call finish() to learn of errors
+  ~SessionWriter();  // closes; without finish() the session says that it is not finished
 
   // kArgument for a camera that is not configured. A view or tile that is there already (same frame
   // id; same camera, key and plate version) is kept once: the first.

@@ -380,7 +380,7 @@ base::Status EdgeLink::finish(std::stop_token stop) {
   }
   {
     const std::lock_guard lock(impl_->mutex);
-    impl_->latest.state = UnitState::kEnded;
+    if (impl_->latest.state != UnitState::kFailed) impl_->latest.state = UnitState::kEnded;
     impl_->latest.frames_sent = impl_->report.frames_sent;
     const EndOfStream end{impl_->camera, impl_->epoch, impl_->report.frames_sent,
                           impl_->report.plates_sent};

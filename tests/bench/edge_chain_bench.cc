@@ -23,8 +23,7 @@ void edge_chain(benchmark::State& state, const std::string& camera) {
   const base::CameraId id{camera};
   const auto setup = edge::chain_setup(*recording, id);
   if (!setup) return state.SkipWithError(base::to_string(setup.error()).c_str());
-  const auto stills = edge::load_stills(*recording->find(id));
-  if (!stills) return state.SkipWithError(base::to_string(stills.error()).c_str());
+  const edge::SurveyStills stills = edge::load_stills(*recording->find(id));
   auto reader = recording::VideoReader::open(*recording->find(id), *recording, 1);
   if (!reader) return state.SkipWithError(base::to_string(reader.error()).c_str());
   std::vector<image::FramePtr> frames;
@@ -36,7 +35,7 @@ void edge_chain(benchmark::State& state, const std::string& camera) {
   std::vector<edge::StageTime> total;
   std::uint64_t lost = 0, bytes = 0;
   for (auto _ : state) {
-    auto chain = edge::FrameChain::make(*setup, {}, *stills);
+    auto chain = edge::FrameChain::make(*setup, {}, stills.frames);
     if (!chain) return state.SkipWithError(base::to_string(chain.error()).c_str());
     const auto count = [&](const edge::ChainOutput& out) {
       for (const codec::EncodedView& view : out.views) {

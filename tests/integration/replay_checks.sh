@@ -37,14 +37,12 @@ check_repeat() {
 
 # An edge that is killed is named; the others are complete.
 check_killed_edge() {
-  replay "$recording" "$work/s" --camera f1 --camera m2 > "$work/out" 2>&1 &
+  "$root/tools/replay" "$recording" "$work/s" --camera f1 --camera m2 --bin "$bin" > "$work/out" 2>&1 &
   local replaying=$!
-  # Killed as soon as it works on frames: its log says so once it has looked at the camera's detail or its stills.
-  until grep -q 'surveyed\|not calibrated\|survey failed' "$work/s.log/m2.log" 2>/dev/null; do
-    kill -0 "$replaying" 2>/dev/null || { cat "$work/out"; wrong "the replay ended before the edge was killed"; }
-    read -rt 0.1 <> <(:) || :
-  done
-  pkill -KILL -f "touchline-edge run --recording $recording --camera m2 " || wrong "no edge of m2 to kill"
+  # Killed as soon as it works: its log says so once it has looked at its stills.
+  grep -qm1 'surveyed' < <(tail -n +1 -F --pid="$replaying" "$work/s.log/m2.log" 2>/dev/null) ||
+    { cat "$work/out"; wrong "the replay ended before the edge was killed"; }
+  pkill -KILL -f "touchline-edge run .*--camera m2 .*--tag replay-$replaying-" || wrong "no edge of m2 to kill"
   wait "$replaying"
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code of a replay with a killed edge is not 1"; }
   grep -q 'm2.*killed' "$work/out" || { cat "$work/out"; wrong "the killed edge is not named"; }
@@ -137,16 +135,17 @@ check_full_disk() {
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code with a full disk is not 1"; }
   grep -Eqi 's/.*(space|large|disk|full|written)' "$work/out" || { cat "$work/out"; wrong "nothing names the full disk"; }
   hub verify --session "$work/s" || wrong "what was written is not readable"
+  hub info --session "$work/s" | grep -q 'NOT FINISHED' || wrong "nothing says that the session is unfinished"
 }
 
 # A hub that is killed leaves a session that can be read.
 check_killed_hub() {
-  replay "$recording" "$work/s" --camera f1 --camera f2 > "$work/out" 2>&1 &
+  "$root/tools/replay" "$recording" "$work/s" --camera f1 --camera f2 --bin "$bin" > "$work/out" 2>&1 &
   local replaying=$!
   until [ "$(hub info --session "$work/s" --json 2>/dev/null | grep -o '"instants":[0-9]*' | cut -d: -f2)" -ge 1 ] 2>/dev/null; do
     kill -0 "$replaying" 2>/dev/null || { cat "$work/out"; wrong "the replay ended before the hub was killed"; }
   done
-  pkill -KILL -f "touchline-hub run --recording $recording .*$work/s " || wrong "no hub to kill"
+  pkill -KILL -f "touchline-hub run .*--tag replay-$replaying-" || wrong "no hub to kill"
   wait "$replaying"
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code of a replay with a killed hub is not 1"; }
   hub verify --session "$work/s" || wrong "the session is not readable"

@@ -66,10 +66,10 @@ TEST(EdgeConfig, TheRecordingIsFoundBesideTheFile) {
 
 TEST(EdgeConfig, ValidateNamesTheField) {
   EdgeConfig config;
-  config.camera.value = "m 1";
+  config.camera = base::CameraId{"m 1"};
   ASSERT_FALSE(config.validate().has_value());
   EXPECT_EQ(config.validate().error().where, "camera");
-  config.camera.value = "m1";
+  config.camera = base::CameraId{"m1"};
   EXPECT_TRUE(config.validate().has_value());
   config.chain.detail_frames = 0;
   ASSERT_FALSE(config.validate().has_value());

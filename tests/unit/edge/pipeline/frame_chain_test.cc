@@ -30,7 +30,7 @@ image::FramePtr turf(std::uint64_t sequence) {
 
 ChainSetup setup_of(HeadKind kind) {
   ChainSetup setup;
-  setup.camera.value = "c";
+  setup.camera = base::CameraId{"c"};
   setup.kind = kind;
   setup.sizes.length_m = 105;
   setup.sizes.width_m = 68;
