@@ -13,7 +13,7 @@
 namespace touchline::compensate {
 
 struct DetailOptions {
-  int edges_per_frame = 60;   // edges taken from one frame at most, the clearest; 8..10000
+  int edges_per_frame = 40;   // edges taken from one frame at most, the clearest; 8..10000
   double step_codes = 60;     // least height of a step or line, 10-bit code values; 10..500
   int edges_needed = 12;      // with fewer edges nothing is estimated; 4..100000
   double least_boost = 0.04;  // an axis with less in sum is reported as without detail; 0..0.2

@@ -10,13 +10,17 @@
 namespace touchline::compensate {
 namespace {
 
-constexpr int kGrid = 10;                    // samples of a drawn response in a pixel
-constexpr double kMargin = 3.2;              // drawn beyond the samples, pixels
-constexpr double kModelError = 0.012;        // of the model itself, share of the step
-constexpr double kStripWidth = 1;            // pixels
-constexpr double kStripPrior = 0.3;          // spread of its darkness, share of the ground's light
+constexpr int kGrid = 10;              // samples of a drawn response in a pixel
+constexpr double kMargin = 3.2;        // drawn beyond the samples, pixels
+constexpr double kModelError = 0.012;  // of the model itself, share of the step
+constexpr double kStripWidth = 1;      // pixels
+constexpr double kStripGain = 10;      // less misfit (squared) that makes one believed
+constexpr double kNearWhite = 900;     // levels below are not overexposed, code values
+constexpr double kExcessPrior = 0.2;   // spread of the overexposure
+constexpr double kAperture = 0.5;      // of a pixel, share of its pitch; a wide one would hide blur
+constexpr double kStripPrior = 0.3;    // spread of its darkness, share of the ground's light
 constexpr double kBlack = 64, kWhite = 940;  // 10-bit code values
-constexpr double kLeastBlur = 0.12, kMostBlur = 3;
+constexpr double kLeastBlur = 0.08, kMostBlur = 3;
 
 enum Parameter { kPlace, kBlur, kLeft, kRight, kExcess, kStrip, kWidth, kTop };
 
@@ -94,16 +98,18 @@ EdgeFit::EdgeFit(const EdgeProfile& edge) : edge_(edge) {
   parameters_[kRight] = edge.right;
   prior_weight_[kLeft] = prior_weight_[kRight] = 1 / (0.2 * scale_);
   parameters_[kExcess] = 0;
-  prior_weight_[kExcess] = 1 / 0.5;
   if (edge.bar) {
     parameters_[kWidth] = edge.width;
-    prior_weight_[kWidth] = 1 / 1.0;
+    prior_weight_[kWidth] = 1 / 5.0;
     parameters_[kTop] = edge.top;
-    prior_weight_[kTop] = 1 / (0.3 * scale_);
+    prior_weight_[kTop] = 1 / (2.0 * scale_);
   }
   prior_weight_[kStrip] = 1 / kStripPrior;
   prior_ = parameters_;
-  strip_ = darker_side();
+  side_ = darker_side();
+  strip_ = 0;
+  may_exceed_ = std::max({edge.left, edge.right, edge.bar ? edge.top : 0.0}) > kNearWhite;
+  prior_weight_[kExcess] = 1 / kExcessPrior;
   const auto n = static_cast<Eigen::Index>(edge.at.size());
   weight_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -183,8 +189,8 @@ void EdgeFit::draw(const Eigen::VectorXd& p) {
       value -= strip * (gauss((t - from) * per_blur) - gauss((t - from - kStripWidth) * per_blur));
     drawn_[i] = value;
   }
-  average(edge_.cosine);
-  average(edge_.sine);
+  average(kAperture * edge_.cosine);
+  average(kAperture * edge_.sine);
   for (double& value : drawn_) value = c(std::min(value, brightest));
 }
 
@@ -248,8 +254,8 @@ void EdgeFit::refine(const Taps& taps, int steps) {
       damped.diagonal() *= 1 + damping_;
       Eigen::VectorXd p = parameters_ + damped.ldlt().solve(g);
       p[kBlur] = std::clamp(p[kBlur], std::log(kLeastBlur), std::log(kMostBlur));
-      p[kExcess] = std::clamp(p[kExcess], 0.0, 2.0);
-      p[kStrip] = std::clamp(p[kStrip], 0.0, 1.0);
+      p[kExcess] = may_exceed_ ? std::clamp(p[kExcess], 0.0, 2.0) : 0;
+      p[kStrip] = strip_ != 0 ? std::clamp(p[kStrip], 0.0, 1.0) : 0;
       if (edge_.bar) p[kWidth] = std::max(p[kWidth], 0.2);
       Eigen::VectorXd r(residual_.size());
       residuals(p, taps, r);
@@ -262,6 +268,33 @@ void EdgeFit::refine(const Taps& taps, int steps) {
       damping_ = std::min(1e3, damping_ * 6);
     }
   }
+}
+
+void EdgeFit::choose_strip(const Taps& taps, int steps) {
+  if (side_ == 0) return;
+  const auto cost = [&] {
+    return residual_.squaredNorm() + prior_weight_.cwiseProduct(parameters_ - prior_).squaredNorm();
+  };
+  const Eigen::VectorXd start = parameters_;
+  strip_ = 0;
+  parameters_[kStrip] = 0;
+  damping_ = 1e-3;
+  refine(taps, steps);
+  const Eigen::VectorXd without = parameters_;
+  const double cost_without = cost();
+  parameters_ = start;
+  strip_ = side_;
+  damping_ = 1e-3;
+  if (parameters_[kStrip] == 0) parameters_[kStrip] = 0.2;
+  refine(taps, steps);
+  if (cost_without - cost() > kStripGain) return;
+  strip_ = 0;
+  parameters_ = without;
+}
+
+void EdgeFit::expect_blur(double log_mean, double spread) {
+  prior_[kBlur] = log_mean;
+  prior_weight_[kBlur] = 1 / spread;
 }
 
 EdgeFit::Reduced EdgeFit::reduce(const Taps& taps) {

@@ -22,6 +22,11 @@ class EdgeFit {
   // Levenberg-Marquardt steps of the own parameters.
   void refine(const Taps& taps, int steps);
 
+  // Whether the ground beside one edge is darker than the boost explains: decided by the misfit.
+  void choose_strip(const Taps& taps, int steps);
+  // What the blur of this camera is likely to be: of its logarithm, mean and spread.
+  void expect_blur(double log_mean, double spread);
+
   // Normal equations of the taps with the own parameters eliminated, and the misfit.
   struct Reduced {
     Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
@@ -46,6 +51,7 @@ class EdgeFit {
 
   EdgeProfile edge_;
   int own_ = 6;
+  int side_ = 0;   // where a strip may lie
   int strip_ = 0;  // side of a dark strip: -1 left, 1 right, 0 none
   double reach_ = 0;
   double scale_ = 1;  // step, code values
@@ -56,6 +62,7 @@ class EdgeFit {
   Eigen::VectorXd residual_;
   Eigen::MatrixXd own_jacobian_;
   Eigen::Matrix<double, Eigen::Dynamic, 4> tap_jacobian_;
+  bool may_exceed_ = true;
   double damping_ = 1e-3;
 };
 
