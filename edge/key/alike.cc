@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kLeastBody = 0.04;  // square metres of a body that may have parts unseen
 constexpr double kLeastScale = 20;   // pixels a metre where the turf is not in sight
-constexpr double kWornShare = 0.06;  // of a person's sure pixels, for a colour he wears
+constexpr double kWornShare = 0.05;  // of a person's sure pixels, for a colour he wears
 constexpr int kLeastSure = 12;       // sure pixels that tell a person's colours
 constexpr int kLumaBits = 5;         // code values of a step of the palette: 32
-constexpr int kChromaBits = 4;       // 16
+constexpr int kChromaBits = 5;       // 32
 constexpr int kLumaSteps = 1024 >> kLumaBits;
 constexpr int kChromaSteps = 1024 >> kChromaBits;
 

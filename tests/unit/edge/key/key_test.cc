@@ -90,6 +90,93 @@ TEST_F(Key, ShadowOnTurfIsBackground) {
   EXPECT_EQ(*std::max_element(alpha.data(), alpha.data() + alpha.size()), 0);
 }
 
+// A forearm four pixels wide, from a bright shirt at its upper end.
+std::vector<Disc> arm(const Eigen::Vector2d& from, const Eigen::Vector2d& step,
+                      const std::array<float, 3>& colour) {
+  std::vector<Disc> discs{{from, 8, {400, 440, 760}}};
+  for (int k = 0; k < 30; ++k) discs.push_back({from + k * step, 2, colour});
+  return discs;
+}
+
+int kept(const image::Matte& matte, const std::vector<Disc>& discs) {
+  int n = 0;
+  for (const Disc& d : discs)
+    n += matte.alpha(static_cast<int>(std::lround(d.centre.x())),
+                     static_cast<int>(std::lround(d.centre.y()))) >= 128;
+  return n;
+}
+
+TEST_F(Key, DarkLimbsOverTurfAreKept) {
+  for (const auto& colour :
+       {std::array<float, 3>{150, 500, 540}, std::array<float, 3>{110, 505, 520},
+        std::array<float, 3>{80, 512, 512}}) {
+    const auto discs = arm({240, 170}, {0.6, 0.8}, colour);
+    EXPECT_GE(kept(matte(discs), discs), static_cast<int>(discs.size()) - 1) << colour[0];
+  }
+}
+
+// The pixel of the picture nearest to its middle that shows a painted line.
+std::optional<Eigen::Vector2d> painted_pixel(const geometry::CameraEstimate& camera,
+                                             const pitch::PitchModel& pitch) {
+  std::optional<Eigen::Vector2d> best;
+  for (int y = 120; y < 220; ++y)
+    for (int x = 120; x < 360; ++x) {
+      const Eigen::Vector2d p(x, y);
+      if (plate::background_at(camera, pitch, p)[0] < 700) continue;
+      if (!best ||
+          (p - Eigen::Vector2d(240, 170)).norm() < (*best - Eigen::Vector2d(240, 170)).norm())
+        best = p;
+    }
+  return best;
+}
+
+TEST_F(Key, DarkLimbsOverAPaintedLineAreKept) {
+  const auto line = painted_pixel(camera_, pitch_);
+  ASSERT_TRUE(line);
+  for (const auto& colour :
+       {std::array<float, 3>{110, 505, 520}, std::array<float, 3>{130, 480, 650}}) {
+    const auto discs = arm(*line - Eigen::Vector2d(15 * 0.6, 15 * 0.8), {0.6, 0.8}, colour);
+    EXPECT_GE(kept(matte(discs), discs), static_cast<int>(discs.size()) - 1) << colour[0];
+  }
+}
+
+TEST_F(Key, WhoPassedWhileThePlateWasLearntHidesNobodyElse) {
+  plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
+  for (unsigned k = 0; k < 9; ++k) {
+    std::vector<Disc> passing;
+    if (k % 4 == 1) passing.push_back({{250, 185}, 12, {800, 512, 512}});
+    builder.add(scene_->frame(passing, 70 + k), camera_);
+  }
+  plate_ = builder.snapshot(true);
+  const auto discs = arm({240, 170}, {0.6, 0.8}, {150, 500, 540});
+  EXPECT_GE(kept(matte(discs), discs), static_cast<int>(discs.size()) - 1);
+}
+
+// A person in the colour of the stand, his legs over the turf.
+TEST_F(Key, WhatLooksLikeThePlateNearAPersonIsUnknown) {
+  camera_ = test_camera(0, -0.15);
+  SetUp();
+  // The lowest row that shows the stand, in the middle column: turf has green's chroma.
+  int foot = 0;
+  for (int y = 0; y < 270; ++y) {
+    const auto c = plate::background_at(camera_, pitch_, {240.0, static_cast<double>(y)});
+    if (c[1] > 470) foot = y;
+    if (c[1] < 450 && c[2] < 450) break;
+  }
+  ASSERT_GT(foot, 12);
+  const auto stand = plate::background_at(camera_, pitch_, {240.0, foot - 4.0});
+  std::vector<Disc> discs;
+  for (int k = -8; k < 12; ++k) discs.push_back({{240, foot + k + 0.0}, 3, stand});
+  const auto m = matte(discs);
+  EXPECT_GE(m.alpha(240, foot + 8), 128);
+  int hidden = 0;
+  for (int y = foot - 6; y < foot; ++y)
+    hidden += m.unknown(240, y) == 255 || m.alpha(240, y) >= 128;
+  EXPECT_GE(hidden, 5);
+  EXPECT_EQ(m.unknown(150, foot - 4), 0);
+  EXPECT_EQ(m.unknown(240, foot + 40), 0);
+}
+
 TEST_F(Key, HalfAPixelOfCalibrationErrorMakesNoPeopleOfLines) {
   auto off = camera_;
   off.cam_from_world.rotation =
