@@ -8,7 +8,7 @@
 
 namespace touchline::compensate {
 
-// The inverse of the boost of state::DetailModel by a few Jacobi steps of short filters. The boost
+// The inverse of the boost of state::DetailModel by a few Chebyshev steps of short filters. The boost
 // amplifies every frequency by 1 or more, so the inverse amplifies none: noise is lowered and
 // nothing rings. A model without boost leaves every picture as it is, bit for bit. Immutable; one
 // object may serve several threads.

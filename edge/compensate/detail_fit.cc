@@ -23,7 +23,7 @@ constexpr double kAsksForMore = 0.4;  // weight of an edge that asks for more bo
 constexpr double kAsMany = 12;        // edges that the evidence counts as: their errors are shared
 constexpr double kNearPrior = 0.5;    // spread of the near tap round 0
 constexpr double kFarPrior = 0.12;    // of the far tap
-constexpr double kMost = 1.0;         // of an axis' total
+constexpr double kMost = 0.8;         // of an axis' total; more would blur what it cannot know
 constexpr double kFarShare = 0.7;     // of the near tap
 
 // Least squares with bounds by descent along one coordinate after the other.

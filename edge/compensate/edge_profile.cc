@@ -70,7 +70,6 @@ struct Place {
 std::optional<Place> bar_at(const Picture& p, double x, int y, double least, bool bright) {
   const int near = static_cast<int>(std::lround(x));
   if (near < kTo + 4 || near + kReach + 4 >= p.width()) return std::nullopt;
-  Place place;
   const Ground left = ground(p, near - kTo - 1, near - kFrom - 1, y);
   if (left.deviation > 60) return std::nullopt;
   // The far edge: where the row comes back to the ground's level.

@@ -157,6 +157,44 @@ TEST(DetailEstimator, UndoingTheEstimateLeavesAHaloUnderTwoPercent) {
   EXPECT_GE(lowest(restored), 350 - 6);  // 2 % of 300
 }
 
+TEST(DetailEstimator, StaysBelowTheTruthWhateverTheLens) {
+  const auto truth = model(0.35, 0.15, 0.3, 0);
+  for (const double blur : {0.7, 1.4, 2.1}) {  // sigma 0.5 .. 1.5
+    DetailEstimator estimator;
+    for (unsigned k = 0; k < 4; ++k) {
+      estimator.add(boost(bars(0.05 + 0.02 * k, k, 3, blur), truth).view());
+      estimator.add(boost(bars(1.5 - 0.02 * k, 10 + k, 3, blur), truth).view());
+    }
+    const auto found = estimator.estimate();
+    EXPECT_LT(found.horizontal[0] + found.horizontal[1], 0.5 + 0.08) << blur;
+    EXPECT_LT(found.vertical[0] + found.vertical[1], 0.3 + 0.08) << blur;
+    EXPECT_LE(found.horizontal[1], 0.71 * found.horizontal[0]);
+    EXPECT_LE(found.vertical[1], 0.71 * found.vertical[0]);
+  }
+}
+
+// Grass in the shadow of a line is dark on one side of it; a boost would be on both.
+TEST(DetailEstimator, TakesAShadowBesideALineForNoBoost) {
+  DetailEstimator estimator;
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal(0, 2);
+  for (const double slope : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+    image::Image<std::uint16_t> picture(640, 480);
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x) {
+        const double t = std::fmod(x + slope * y, 60.0) - 30;
+        const auto rise = [&](double at) { return 0.5 * std::erfc(-(t - at) / 0.7); };
+        const double line = rise(-2) - rise(2);
+        const double shadow = rise(2) - rise(3);
+        picture(x, y) = static_cast<std::uint16_t>(
+            std::lround(400 + 400 * line - 120 * shadow + normal(random)));
+      }
+    estimator.add(picture.view());
+  }
+  const auto found = estimator.estimate();
+  EXPECT_LT(found.horizontal[0] + found.horizontal[1], 0.12);
+}
+
 TEST(DetailEstimator, TooFewEdgesGiveNothing) {
   DetailEstimator estimator;
   estimator.add(image::Image<std::uint16_t>(640, 480, 400).view());
