@@ -41,15 +41,19 @@ void judge(const std::uint8_t* zones, const std::uint8_t* inside, const std::uin
            std::uint8_t* accepted, std::uint8_t* foreign) {
   std::array<std::uint8_t, kRow> good;
   std::array<std::uint8_t, kRow> doubtful;
+  // Every load is made whatever comes of it, so that the loops vectorise.
   for (std::size_t x = 0; x < kRow; ++x) {
-    const std::uint8_t wanted = (zones[x] & (kPaintBand | kPerhapsTurf)) != 0
-                                    ? TurfColour::kIsPainted
-                                    : TurfColour::kIsTurf;
-    good[x] = (colours[x] & wanted) != 0 ? inside[x] : 0;
+    const std::uint8_t zone = zones[x];
+    const std::uint8_t colour = colours[x];
+    const std::uint8_t in = inside[x];
+    const bool may_be_paint = (zone & (kPaintBand | kPerhapsTurf)) != 0;
+    const std::uint8_t wanted = may_be_paint ? TurfColour::kIsPainted : TurfColour::kIsTurf;
+    const auto fits = static_cast<std::uint8_t>(colour & wanted);
+    const std::uint8_t shown = fits != 0 ? in : std::uint8_t{0};
+    good[x] = zone == 0 ? in : shown;
+    const auto doubt = static_cast<std::uint8_t>(colour & TurfColour::kIsDoubtful);
+    doubtful[x] = doubt != 0 ? in : std::uint8_t{0};
   }
-  for (std::size_t x = 0; x < kRow; ++x) good[x] = zones[x] == 0 ? inside[x] : good[x];
-  for (std::size_t x = 0; x < kRow; ++x)
-    doubtful[x] = (colours[x] & TurfColour::kIsDoubtful) != 0 ? inside[x] : 0;
   for (std::size_t x = 0; x < kRow; ++x)
     accepted[x] = static_cast<std::uint8_t>(good[x] | ((doubtful[x] & ~good[x]) << 1));
   for (std::size_t x = 0; x < kRow; ++x)

@@ -74,11 +74,27 @@ inline float bicubic(const Plane& p, float x, float y) {
   return std::clamp(sum, 0.f, 1023.f);
 }
 
-// Eight positions at a time. A 32-bit load at a sample holds it and its right neighbour.
+// Eight positions at a time.
 constexpr int kLanes = 8;
 
-__m256i pairs_at(const Plane& p, __m256i at) {
-  return _mm256_i32gather_epi32(reinterpret_cast<const int*>(p.data), at, 2);
+struct Places {
+  alignas(32) std::array<std::int32_t, kLanes> index;
+
+  Places(__m256i row, __m256i column, std::ptrdiff_t stride) {
+    const __m256i at = _mm256_add_epi32(
+        _mm256_mullo_epi32(row, _mm256_set1_epi32(static_cast<int>(stride))), column);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(index.data()), at);
+  }
+};
+
+// A sample and its right neighbour at each place.
+__m256i pairs_at(const std::uint16_t* data, const Places& at) {
+  const auto pair = [&](std::size_t i) {
+    std::int32_t both;
+    std::memcpy(&both, data + at.index[i], sizeof both);
+    return both;
+  };
+  return _mm256_setr_epi32(pair(0), pair(1), pair(2), pair(3), pair(4), pair(5), pair(6), pair(7));
 }
 __m256i joined(__m256i low, __m256i high) {
   return _mm256_or_si256(_mm256_and_si256(low, _mm256_set1_epi32(0xffff)),
@@ -116,50 +132,58 @@ __m256 bicubic8(const Plane& p, __m256 x, __m256 y) {
       _mm256_sub_epi32(_mm256_set1_epi32(8192), _mm256_add_epi32(a, _mm256_add_epi32(c, d)));
   const __m256i left = joined(a, b);
   const __m256i right = joined(c, d);
+  // Four weights a pixel, of pixels 0 1 4 5 and of 2 3 6 7.
+  const __m256i outer = _mm256_unpacklo_epi32(left, right);
+  const __m256i inner = _mm256_unpackhi_epi32(left, right);
   const __m256 second =
       _mm256_sub_ps(all(1.f), _mm256_add_ps(wy.before, _mm256_add_ps(wy.next, wy.last)));
   const __m256 rows[4] = {wy.before, second, wy.next, wy.last};
-  const __m256i stride = _mm256_set1_epi32(static_cast<int>(p.stride));
-  __m256i at =
-      _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(iy, _mm256_set1_epi32(1)), stride),
-                       _mm256_sub_epi32(ix, _mm256_set1_epi32(1)));
+  Places at(_mm256_sub_epi32(iy, _mm256_set1_epi32(1)), _mm256_sub_epi32(ix, _mm256_set1_epi32(1)),
+            p.stride);
   __m256 sum = _mm256_setzero_ps();
+  const std::uint16_t* from = p.data;
   for (const __m256& row : rows) {
-    const __m256i across = _mm256_add_epi32(
-        _mm256_madd_epi16(pairs_at(p, at), left),
-        _mm256_madd_epi16(pairs_at(p, _mm256_add_epi32(at, _mm256_set1_epi32(2))), right));
+    const auto quads = [&](std::size_t i, std::size_t j) {
+      return _mm_unpacklo_epi64(
+          _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from + at.index[i])),
+          _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from + at.index[j])));
+    };
+    const __m256i across =
+        _mm256_hadd_epi32(_mm256_madd_epi16(_mm256_set_m128i(quads(4, 5), quads(0, 1)), outer),
+                          _mm256_madd_epi16(_mm256_set_m128i(quads(6, 7), quads(2, 3)), inner));
     sum = _mm256_fmadd_ps(row, _mm256_cvtepi32_ps(across), sum);
-    at = _mm256_add_epi32(at, stride);
+    from += p.stride;
   }
   sum = times(sum, all(1.f / 8192));
   return _mm256_min_ps(_mm256_max_ps(sum, _mm256_setzero_ps()), all(1023.f));
 }
 
 // Where bilinear() looks, for both planes of chroma.
-struct ChromaPlaces {
-  __m256i at;
-  __m256i across;  // weights in 1/8192
-  __m256 down;
-
-  ChromaPlaces(const Plane& p, __m256 x, __m256 y) {
-    const __m256 px = times(x, all(p.scale_x));
-    const __m256 py =
-        _mm256_max_ps(_mm256_fmadd_ps(y, all(p.scale_y), all(p.shift_y)), _mm256_setzero_ps());
-    const __m256i ix = _mm256_cvttps_epi32(px);
-    const __m256i iy = _mm256_cvttps_epi32(py);
-    const __m256i f =
-        _mm256_cvtps_epi32(times(_mm256_sub_ps(px, _mm256_cvtepi32_ps(ix)), all(8192.f)));
-    across = joined(_mm256_sub_epi32(_mm256_set1_epi32(8192), f), f);
-    down = _mm256_sub_ps(py, _mm256_cvtepi32_ps(iy));
-    at =
-        _mm256_add_epi32(_mm256_mullo_epi32(iy, _mm256_set1_epi32(static_cast<int>(p.stride))), ix);
-  }
+class ChromaPlaces {
+ public:
+  ChromaPlaces(const Plane& p, __m256 x, __m256 y)
+      : ChromaPlaces(p.stride, times(x, all(p.scale_x)),
+                     _mm256_max_ps(_mm256_fmadd_ps(y, all(p.scale_y), all(p.shift_y)),
+                                   _mm256_setzero_ps())) {}
   __m256 value(const Plane& p) const {
-    const __m256 top = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p, at), across));
-    const __m256i below = _mm256_add_epi32(at, _mm256_set1_epi32(static_cast<int>(p.stride)));
-    const __m256 bottom = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p, below), across));
-    return times(_mm256_fmadd_ps(down, _mm256_sub_ps(bottom, top), top), all(1.f / 8192));
+    const __m256 top = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p.data, at_), across_));
+    const __m256 bottom =
+        _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p.data + p.stride, at_), across_));
+    return times(_mm256_fmadd_ps(down_, _mm256_sub_ps(bottom, top), top), all(1.f / 8192));
   }
+
+ private:
+  ChromaPlaces(std::ptrdiff_t stride, __m256 x, __m256 y)
+      : at_(_mm256_cvttps_epi32(y), _mm256_cvttps_epi32(x), stride) {
+    const __m256 fx = _mm256_sub_ps(x, _mm256_round_ps(x, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC));
+    const __m256i f = _mm256_cvtps_epi32(times(fx, all(8192.f)));
+    across_ = joined(_mm256_sub_epi32(_mm256_set1_epi32(8192), f), f);
+    down_ = _mm256_sub_ps(y, _mm256_round_ps(y, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC));
+  }
+
+  Places at_;
+  __m256i across_;  // weights in 1/8192
+  __m256 down_;
 };
 
 // Rounded to the nearest, half upwards.

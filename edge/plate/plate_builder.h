@@ -17,7 +17,7 @@ namespace touchline::plate {
 
 struct PlateOptions {
   int learn_frames = 50;            // frames a tile is seen in before its median is fixed; 4..500
-  int samples = 12;                 // samples in time kept of a pixel until then; 3..32
+  int samples = 14;                 // samples in time kept of a pixel until then; 3..32
   int publish_frames = 25;          // after learning, frames between two versions; 1..10000
   int update_every = 5;             // after learning, a tile takes in every n-th frame; 1..1000
   double update_rate = 0.03;        // weight of a new sample in the running mean; 0.001..0.5

@@ -41,8 +41,8 @@ void follow(const TileSamples& samples, const std::vector<std::uint8_t>& accepte
                                                      &samples.cr[start]};
     std::uint8_t* count = tile.count.row(y);
     for (std::size_t x = 0; x < kSize; ++x) {
-      rate[x] = use[x] ? rates[count[x]] : 0.f;
-      if (use[x] && count[x] == 0) begin(values, x, y, first, tile);
+      rate[x] = rates[use[x] * std::size_t{count[x]}];
+      if (use[x] > count[x]) begin(values, x, y, first, tile);
     }
     for (std::size_t c = 0; c < 3; ++c) {
       const float scale = c == 0 ? 8.f : 16.f;

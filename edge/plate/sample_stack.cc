@@ -101,9 +101,9 @@ class RowMedian {
         sum_[x] = static_cast<std::uint16_t>(static_cast<int>(std::min(spread + 0.5f, 65535.f)));
       }
       for (std::size_t x = 0; x < kSize; ++x) {
-        const bool mine = count[x] == n;
-        mean[x] = mine ? twice_[x] : mean[x];
-        deviation[x] = mine ? sum_[x] : deviation[x];
+        const auto mine = static_cast<std::uint16_t>(count[x] == n ? 0xffff : 0);
+        mean[x] = static_cast<std::uint16_t>(mean[x] | (twice_[x] & mine));
+        deviation[x] = static_cast<std::uint16_t>(deviation[x] | (sum_[x] & mine));
       }
     }
   }
@@ -165,6 +165,7 @@ void SampleStack::median(const std::vector<std::uint8_t>& prefer, double noise,
   std::array<std::uint16_t, kSize> count{};
   std::array<std::uint16_t, kSize> good{};
   std::array<std::uint32_t, kSize> needed{};  // bits that a sample must have to count
+  std::array<std::uint16_t, kSize> told{};
   RowMedian median;
 
   for (int y = 0; y < image::kPlateTileSize; ++y) {
@@ -180,12 +181,17 @@ void SampleStack::median(const std::vector<std::uint8_t>& prefer, double noise,
     }
     std::uint8_t* shown = out.count.row(y);
     for (std::size_t x = 0; x < kSize; ++x) {
-      const bool pick = prefer[row + x] && good[x] > 0 && good[x] * 4 >= count[x];
+      const std::uint16_t all = count[x];
+      const std::uint16_t preferred = good[x];
+      const std::uint16_t some = prefer[row + x] ? 1 : 0;
+      const std::uint16_t pick = some & (preferred > 0 ? 1 : 0) & (preferred * 4 >= all ? 1 : 0);
       needed[x] = pick ? 1U : 0xffffffffU;
-      count[x] = pick ? good[x] : count[x];
-      shown[x] = static_cast<std::uint8_t>(
-          prefer[row + x] && !pick ? std::min<std::uint16_t>(count[x], 1) : count[x]);
+      const std::uint16_t used = pick ? preferred : all;
+      const auto once = static_cast<std::uint16_t>(used > 0 ? 1 : 0);
+      count[x] = used;
+      told[x] = some > pick ? once : used;
     }
+    for (std::size_t x = 0; x < kSize; ++x) shown[x] = static_cast<std::uint8_t>(told[x]);
     for (std::size_t k = 0; k < depth; ++k) {
       const std::uint32_t* from = &layers_[k][row];
       std::uint16_t* luma = values[0][k].data();

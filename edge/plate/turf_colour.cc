@@ -1,5 +1,7 @@
 #include "edge/plate/turf_colour.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -102,50 +104,68 @@ bool TurfColour::update() {
   least_luma_ = 0.3f * quantile(0.1);
   most_luma_ = 1.7f * quantile(0.9);
   paint_luma_ = 0.8f * quantile(0.5);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const int bits = table_[i];
+    allowed_[i] =
+        static_cast<std::uint8_t>(((bits & 1) ? kIsTurf | kIsPainted : 0) |
+                                  ((bits & 2) ? kBrightPaint : 0) | ((bits & 4) ? kIsDoubtful : 0));
+  }
   ready_ = true;
   return true;
 }
 
+// Eight pixels at a time.
 void TurfColour::classify(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
                           std::size_t count, std::uint8_t* out) const {
-  constexpr std::size_t kBlock = 64;
-  // By the bits of table_: what each allows, before luma is looked at.
-  constexpr std::uint8_t kBrightPaint = 8;
-  std::array<std::uint8_t, 8> allows{};
-  for (std::size_t i = 0; i < allows.size(); ++i)
-    allows[i] =
-        static_cast<std::uint8_t>(((i & 1) ? kIsTurf | kIsPainted : 0) |
-                                  ((i & 2) ? kBrightPaint : 0) | ((i & 4) ? kIsDoubtful : 0));
-  constexpr float kPerUnit = kBins / (2 * kReach);
-  std::array<std::int32_t, kBlock> at;
-  std::array<std::uint8_t, kBlock> by_luma;
-  const float least = least_luma_;
-  const float most = most_luma_;
-  const float paint = paint_luma_;
-  for (std::size_t start = 0; start < count; start += kBlock) {
-    const std::size_t n = std::min(kBlock, count - start);
-    const std::uint16_t* y2_from = y2 + start;
-    const std::uint16_t* cb_from = cb + start;
-    const std::uint16_t* cr_from = cr + start;
-    for (std::size_t k = 0; k < n; ++k) {
-      const float per_luma = kPerUnit / std::max(0.5f * static_cast<float>(y2_from[k]) - 64.f, 1.f);
-      const float u = (static_cast<float>(cb_from[k]) - 512.f) * per_luma + 0.5f * kBins;
-      const float v = (static_cast<float>(cr_from[k]) - 512.f) * per_luma + 0.5f * kBins;
-      at[k] = static_cast<std::int32_t>(std::min(std::max(v, 0.f), kBins - 1.f)) * kBins +
-              static_cast<std::int32_t>(std::min(std::max(u, 0.f), kBins - 1.f));
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      const float luma = 0.5f * static_cast<float>(y2_from[k]) - 64.f;
-      const int fair = luma <= most ? kIsPainted | kIsTurf | kIsDoubtful : kIsPainted;
-      const int bits = luma > paint ? fair | kBrightPaint : fair;
-      by_luma[k] = static_cast<std::uint8_t>(luma >= least ? bits : 0);
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      const int bits = allows[table_[static_cast<std::size_t>(at[k])]] & by_luma[k];
-      out[start + k] =
-          static_cast<std::uint8_t>((bits & 7) | (bits & kBrightPaint ? kIsPainted : 0));
-    }
-  }
+  constexpr std::size_t kLanes = 8;
+  std::size_t k = 0;
+  for (; k + kLanes <= count; k += kLanes) classify8(y2 + k, cb + k, cr + k, out + k);
+  if (k == count) return;
+  std::array<std::uint16_t, kLanes> last_y2{}, last_cb{}, last_cr{};
+  std::array<std::uint8_t, kLanes> last{};
+  std::copy(y2 + k, y2 + count, last_y2.begin());
+  std::copy(cb + k, cb + count, last_cb.begin());
+  std::copy(cr + k, cr + count, last_cr.begin());
+  classify8(last_y2.data(), last_cb.data(), last_cr.data(), last.data());
+  std::copy_n(last.begin(), count - k, out + k);
+}
+
+void TurfColour::classify8(const std::uint16_t* y2, const std::uint16_t* cb,
+                           const std::uint16_t* cr, std::uint8_t* out) const {
+  const auto load = [](const std::uint16_t* from) {
+    return _mm256_cvtepi32_ps(
+        _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
+  };
+  const auto all = [](float value) { return _mm256_set1_ps(value); };
+  const __m256 luma = _mm256_fmsub_ps(load(y2), all(0.5f), all(64.f));
+  const __m256 scale = _mm256_div_ps(all(kBins / (2 * kReach)), _mm256_max_ps(luma, all(1.f)));
+  const auto place = [&](const std::uint16_t* chroma) {
+    const __m256 at =
+        _mm256_fmadd_ps(_mm256_sub_ps(load(chroma), all(512.f)), scale, all(0.5f * kBins));
+    return _mm256_cvttps_epi32(
+        _mm256_min_ps(_mm256_max_ps(at, _mm256_setzero_ps()), all(kBins - 1.f)));
+  };
+  static_assert(kBins == 128);
+  const __m256i at = _mm256_add_epi32(_mm256_slli_epi32(place(cr), 7), place(cb));
+  const __m256i colours =
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(allowed_.data()), at, 1);
+  const auto where = [&](__m256 condition, int bits) {
+    return _mm256_and_si256(_mm256_castps_si256(condition), _mm256_set1_epi32(bits));
+  };
+  const __m256i fair =
+      where(_mm256_cmp_ps(luma, all(most_luma_), _CMP_LE_OQ), kIsTurf | kIsDoubtful);
+  const __m256i bright = where(_mm256_cmp_ps(luma, all(paint_luma_), _CMP_GT_OQ), kBrightPaint);
+  __m256i bits = _mm256_or_si256(_mm256_set1_epi32(kIsPainted), _mm256_or_si256(fair, bright));
+  bits = _mm256_and_si256(bits,
+                          _mm256_castps_si256(_mm256_cmp_ps(luma, all(least_luma_), _CMP_GE_OQ)));
+  bits = _mm256_and_si256(bits, colours);
+  static_assert(kBrightPaint >> 2 == kIsPainted);
+  const __m256i paint = _mm256_and_si256(_mm256_srli_epi32(bits, 2), _mm256_set1_epi32(kIsPainted));
+  bits = _mm256_and_si256(_mm256_or_si256(bits, paint),
+                          _mm256_set1_epi32(kIsTurf | kIsPainted | kIsDoubtful));
+  const __m128i words =
+      _mm_packus_epi32(_mm256_castsi256_si128(bits), _mm256_extracti128_si256(bits, 1));
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(out), _mm_packus_epi16(words, words));
 }
 
 }  // namespace touchline::plate

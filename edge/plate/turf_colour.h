@@ -46,6 +46,10 @@ class TurfColour {
   static constexpr float kReach = 0.8f;  // of chroma over luma
 
  private:
+  static constexpr std::uint8_t kBrightPaint = 8;  // painted if bright enough
+
+  void classify8(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
+                 std::uint8_t* out) const;
   static int bin(float ratio) {
     const float b = (ratio + kReach) * (kBins / (2 * kReach));
     return b <= 0 ? 0 : b >= kBins - 1 ? kBins - 1 : static_cast<int>(b);
@@ -55,6 +59,8 @@ class TurfColour {
   std::array<std::uint32_t, 256> luma_{};  // 4 code values a bin
   std::uint64_t observed_ = 0;
   std::vector<std::uint8_t> table_ = std::vector<std::uint8_t>(kBins * kBins, 0);
+  // As classify() says it, before luma is looked at; 32 bits can be read at each place.
+  std::vector<std::uint8_t> allowed_ = std::vector<std::uint8_t>(kBins * kBins + 3, 0);
   float least_luma_ = 0;
   float most_luma_ = 0;
   float paint_luma_ = 0;
