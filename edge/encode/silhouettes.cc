@@ -1,7 +1,9 @@
 #include "edge/encode/silhouettes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -42,16 +44,26 @@ class Starts {
       const std::uint8_t* const alpha = matte.alpha.row(y) + region.x;
       const std::uint8_t* const unknown = matte.unknown.row(y) + region.x;
       const std::uint8_t* const occluders = matte.occluders.row(y) + region.x;
-      int any = 0;
+      std::uint8_t any = 0;
       for (std::size_t x = 0; x < row.size(); ++x) {
         // The high bit: alpha of 128 and more, masks of 255.
         row[x] = static_cast<std::uint8_t>((alpha[x] | unknown[x] | occluders[x]) & kThreshold);
         any |= row[x];
       }
       if (any == 0) continue;
-      std::uint8_t left = 0;
-      for (std::size_t x = 0; x < row.size(); ++x) {
-        if (row[x] > left) columns_.push_back({region.x + static_cast<int>(x), false});
+      // Eight pixels at a time; most words are all background or all foreground.
+      std::uint64_t left = 0;  // the pixel before the word
+      std::size_t x = 0;
+      for (; x + 8 <= row.size(); x += 8) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, row.data() + x, 8);
+        std::uint64_t starts = word & ~((word << 8) | left);
+        for (; starts != 0; starts &= starts - 1)
+          add(region.x + static_cast<int>(x) + std::countr_zero(starts) / 8);
+        left = word >> 56;
+      }
+      for (; x < row.size(); ++x) {
+        if (row[x] > left) add(region.x + static_cast<int>(x));
         left = row[x];
       }
     }
@@ -80,6 +92,8 @@ class Starts {
   int x(std::size_t column) const { return columns_[column].x; }
 
  private:
+  void add(int x) { columns_.push_back({x, false}); }
+
   int first_row_ = 0;
   std::vector<std::size_t> offsets_;
   std::vector<Column> columns_;
