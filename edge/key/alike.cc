@@ -118,6 +118,7 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
   };
   Palette palette;
   cv::Mat away;
+  std::vector<cv::Point> found;
   for (const Body& body : all) {
     const double scale = body.reach / options.alike_reach_m;
     if (body.area < kLeastBody * scale * scale) continue;
@@ -136,16 +137,21 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     const int x1 = std::min(bodies.width(), body.right + body.reach + 1);
     const int y0 = std::max(0, body.top - body.reach);
     const int y1 = std::min(bodies.height(), body.bottom + body.reach + 1);
+    found.clear();
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        if (alpha(x, y) == 0 && difference.distance(x, y) < weak &&
+            palette.worn(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y)))
+          found.emplace_back(x, y);
+    if (found.empty()) continue;
     cv::Mat outside(y1 - y0, x1 - x0, CV_8U);
     for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) outside.at<std::uint8_t>(y - y0, x - x0) = !bodies(x, y);
+      std::transform(bodies.row(y) + x0, bodies.row(y) + x1, outside.ptr<std::uint8_t>(y - y0),
+                     [](std::uint8_t b) { return std::uint8_t{b == 0}; });
     cv::distanceTransform(outside, away, cv::DIST_L2, 3);
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) {
-        if (alpha(x, y) != 0 || difference.distance(x, y) >= weak) continue;
-        if (!palette.worn(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y))) continue;
-        if (away.at<float>(y - y0, x - x0) <= static_cast<float>(body.reach)) unknown(x, y) = 255;
-      }
+    for (const auto& p : found)
+      if (away.at<float>(p.y - y0, p.x - x0) <= static_cast<float>(body.reach))
+        unknown(p.x, p.y) = 255;
   }
 }
 

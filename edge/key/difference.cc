@@ -25,16 +25,16 @@ constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour 
 
 // A row of a frame, floats; only the spans of a row of cells are filled.
 struct RowBuffers {
-  std::vector<float> y, cb, cr;                // frame
-  std::vector<float> by, bcb, bcr;             // background
-  std::vector<float> wy, wc;                   // 1 / variance
-  std::vector<float> low, high, slack, paler;  // Light
-  std::vector<float> lit;                      // luma of the turf round here
+  std::vector<float> y, cb, cr;                            // frame
+  std::vector<float> by, bcb, bcr;                         // background
+  std::vector<float> wy, wc;                               // 1 / variance
+  std::vector<float> low, light_high, high, slack, paler;  // Light
+  std::vector<float> lit;                                  // luma of the turf round here
   std::vector<float> d;
   std::vector<float> least, most;  // of the plate's luma round the pixel
   explicit RowBuffers(std::size_t n) {
-    for (auto* v : {&y, &cb, &cr, &by, &bcb, &bcr, &wy, &wc, &low, &high, &slack, &paler, &lit, &d,
-                    &least, &most})
+    for (auto* v : {&y, &cb, &cr, &by, &bcb, &bcr, &wy, &wc, &low, &light_high, &high, &slack,
+                    &paler, &lit, &d, &least, &most})
       v->resize(n);
   }
 };
@@ -304,6 +304,7 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
         const bool on_turf = grid.turf.at(x / kCell, j);
         const Light& light = on_turf ? on_grass : kElsewhere;
         row.low[k] = light.low;
+        row.light_high[k] = light.high;
         row.slack[k] = light.slack;
         row.paler[k] = light.paler;
         row.lit[k] = on_turf ? warper.turf_luma(x / kCell, j) : 0.f;
@@ -332,12 +333,10 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
           const bool grass = row.low[k] < kElsewhere.low;
           known[x] = have ? 1 : grass && turf.y > 0 ? 2 : 0;
           row.y[k] = luma[x] - 64.f;
+          row.high[k] = row.light_high[k];
           row.by[k] = have ? py[x] * 0.0625f - 64.f : turf.y;
           row.bcb[k] = have ? pb[x] * 0.0625f - 512.f : turf.cb;
           row.bcr[k] = have ? pr[x] * 0.0625f - 512.f : turf.cr;
-          row.high[k] =
-              grass ? brightest(on_grass, row.lit[k], row.by[k], row.bcb[k], row.bcr[k], turf)
-                    : kElsewhere.high;
           const float range = have ? row.most[k] - row.least[k] : 0.f;
           edge[x] = range > kEdgeRange;
           const float blur = kRangeShare * range;
@@ -352,12 +351,20 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
               residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k], row.wy[k],
                        row.wc[k], row.low[k], row.high[k], row.slack[k], row.paler[k]);
         }
-        if (taps > 0 && y >= taps && y + taps < height)
-          for (int x = std::max(span.begin, taps); x < std::min(span.end, width - taps); ++x) {
-            const auto k = static_cast<std::size_t>(x);
-            if (row.d[k] < weak || known[x] != 1) continue;
-            row.d[k] = shifted(plate, row, x, y, taps, reach);
+        const bool search = taps > 0 && y >= taps && y + taps < height;
+        for (int x = span.begin; x < span.end; ++x) {
+          const auto k = static_cast<std::size_t>(x);
+          if (row.d[k] < weak || known[x] != 1) continue;
+          if (row.lit[k] > 0) {
+            row.high[k] = brightest(on_grass, row.lit[k], row.by[k], row.bcb[k], row.bcr[k], turf);
+            if (row.high[k] > row.light_high[k])
+              row.d[k] = residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
+                                  row.wy[k], row.wc[k], row.low[k], row.high[k], row.slack[k],
+                                  row.paler[k]);
           }
+          if (search && x >= taps && x + taps < width)
+            row.d[k] = shifted(plate, row, x, y, taps, reach);
+        }
         // A blurred or displaced edge is no darker than its darkest, no brighter than its
         // brightest.
         std::uint8_t* distance = out.distance.row(y);

@@ -372,29 +372,42 @@ void PlateWarper::sample(int x, int y, int step, PlateSamples& out) const {
 }
 
 void PlateWarper::warp(const CellMask& cells, WarpedPlate& out) const {
+  struct Part {
+    int i;
+    bool have;
+    Cell cell;
+  };
+  std::vector<Part> parts;
   PlateSamples s;
-  for (int j = 0; j < cells.rows; ++j)
+  for (int j = 0; j < cells.rows; ++j) {
+    parts.clear();
     for (int i = 0; i < cells.columns; ++i) {
       if (!cells.at(i, j) || out.done.at(i, j)) continue;
       out.done(i, j) = 1;
-      const int begin = i * kCell;
-      const int end = std::min(width_, begin + kCell);
       const bool have = !empty() && grid_.volume.at(i, j);
-      const Cell c = have ? cell(i, j) : Cell{};
-      for (int y = j * kCell; y < std::min(height_, (j + 1) * kCell); ++y)
-        for (int x = begin; x < end; x += 8) {
-          const int n = std::min(8, end - x);
-          if (have)
-            sample_eight(c, x, y, 1, s);
+      parts.push_back({i, have, have ? cell(i, j) : Cell{}});
+    }
+    for (int y = j * kCell; y < std::min(height_, (j + 1) * kCell); ++y)
+      for (const Part& part : parts)
+        for (int x = part.i * kCell; x < std::min(width_, (part.i + 1) * kCell); x += 8) {
+          if (part.have)
+            sample_eight(part.cell, x, y, 1, s);
           else
             s = {};
-          std::copy_n(s.y.data(), n, out.y.row(y) + x);
-          std::copy_n(s.cb.data(), n, out.cb.row(y) + x);
-          std::copy_n(s.cr.data(), n, out.cr.row(y) + x);
-          std::copy_n(s.luma_deviation.data(), n, out.luma_deviation.row(y) + x);
-          std::copy_n(s.chroma_deviation.data(), n, out.chroma_deviation.row(y) + x);
+          const int n = std::min(8, width_ - x);
+          const auto put_row = [x, y, n](const std::array<std::uint16_t, 8>& from, WarpPlane& to) {
+            if (n == 8)
+              std::memcpy(to.row(y) + x, from.data(), sizeof from);
+            else
+              std::copy_n(from.data(), n, to.row(y) + x);
+          };
+          put_row(s.y, out.y);
+          put_row(s.cb, out.cb);
+          put_row(s.cr, out.cr);
+          put_row(s.luma_deviation, out.luma_deviation);
+          put_row(s.chroma_deviation, out.chroma_deviation);
         }
-    }
+  }
 }
 
 }  // namespace touchline::key

@@ -13,6 +13,8 @@ constexpr int kBand = 2;              // pixels on either side of the boundary t
 constexpr int kShadeBlock = 4;        // pixels that share a figure for the shadow
 constexpr int kFar = 7;               // depths are told apart up to this
 constexpr float kSureShare = 0.55f;   // of that peak, for a pixel of pure foreground
+constexpr float kFringeShare = 0.3f;  // likewise, below which the outermost pixels are a fringe
+constexpr float kCostPerPixel = 60;   // squared code values, of looking for a colour farther away
 constexpr float kUnexplained = 0.3f;  // share of a pixel's squared difference no mix explains
 constexpr float kChromaWeight = 2;    // chroma is noisier by format, steadier by light
 
@@ -147,7 +149,7 @@ class Mixer {
   std::vector<float> shades_;  // 0 = not measured yet
 };
 
-// Where a foreground colour is looked for.
+// Where a foreground colour is looked for, near to far.
 constexpr std::array<std::array<int, 2>, 32> kOffsets{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1},  {-1, 1},  {1, -1}, {-1, -1},
      {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {2, 2},  {-2, 2},  {2, -2}, {-2, -2},
@@ -190,6 +192,9 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
     float best_rest = unlike;
     float best = 0;
     for (const auto& o : kOffsets) {
+      const float far = kCostPerPixel * static_cast<float>(std::abs(o[0]) + std::abs(o[1]));
+      if (best_cost <= kCostPerPixel * static_cast<float>(std::max(std::abs(o[0]), std::abs(o[1]))))
+        break;
       const int nx = x + o[0];
       const int ny = y + o[1];
       if (!depth.contains(nx, ny)) continue;
@@ -207,15 +212,17 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
       const float rb = pb - a * fb;
       const float rr = pr - a * fr;
       const float rest = ry * ry + kChromaWeight * (rb * rb + rr * rr);
-      const float cost = rest + 60.f * static_cast<float>(std::abs(o[0]) + std::abs(o[1])) +
-                         250.f * static_cast<float>(std::max(0, 3 - inside));
+      const float cost = rest + far + 250.f * static_cast<float>(std::max(0, 3 - inside));
       if (cost < best_cost) {
         best_cost = cost;
         best_rest = rest;
         best = a;
       }
     }
-    if (bodies(x, y) && best_rest > kUnexplained * unlike && distance(x, y) >= own_colour) best = 1;
+    const bool fringe = d < 2 && distance(x, y) < kFringeShare * peak(x, y);
+    if (bodies(x, y) && !fringe && best_rest > kUnexplained * unlike &&
+        distance(x, y) >= own_colour)
+      best = 1;
     const int value = static_cast<int>(best * 255.f + 0.5f);
     alpha(x, y) = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
   });
