@@ -56,10 +56,11 @@ class Palette {
  public:
   Palette()
       : count_(static_cast<std::size_t>(kLumaSteps) * kChromaSteps * kChromaSteps, 0),
-        near_(count_.size(), 0) {}
+        near_(count_.size(), 0),
+        worn_(count_.size(), 0) {}
   void clear() {
     for (const std::size_t n : used_) count_[n] = 0;
-    for (const std::size_t n : touched_) near_[n] = 0;
+    for (const std::size_t n : touched_) near_[n] = worn_[n] = 0;
     used_.clear();
     touched_.clear();
     total_ = 0;
@@ -82,11 +83,11 @@ class Palette {
             near_[m] += count_[n];
           }
     }
+    for (const std::size_t m : touched_) worn_[m] = near_[m] >= kWornShare * total_;
   }
   int total() const { return total_; }
   bool worn(int y, int cb, int cr) const {
-    return near_[index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits)] >=
-           kWornShare * total_;
+    return worn_[index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits)] != 0;
   }
 
  private:
@@ -97,6 +98,7 @@ class Palette {
            static_cast<std::size_t>(cr & (kChromaSteps - 1));
   }
   std::vector<int> count_, near_;
+  std::vector<std::uint8_t> worn_;
   std::vector<std::size_t> used_, touched_;
   int total_ = 0;
 };

@@ -1,7 +1,10 @@
 #include "edge/key/difference.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 namespace touchline::key {
@@ -23,20 +26,15 @@ constexpr int kCoarseCount = 2;         // samples of a cell beyond it
 constexpr float kCoarseRangeShare = 0.25f;  // as kRangeShare, of two by two samples
 constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour is all there is
 
-// A row of a frame, floats; only the spans of a row of cells are filled.
-struct RowBuffers {
-  std::vector<float> y, cb, cr;                            // frame
-  std::vector<float> by, bcb, bcr;                         // background
-  std::vector<float> wy, wc;                               // 1 / variance
-  std::vector<float> low, light_high, high, slack, paler;  // Light
-  std::vector<float> lit;                                  // luma of the turf round here
-  std::vector<float> d;
-  std::vector<float> least, most;  // of the plate's luma round the pixel
-  explicit RowBuffers(std::size_t n) {
-    for (auto* v : {&y, &cb, &cr, &by, &bcb, &bcr, &wy, &wc, &low, &light_high, &high, &slack,
-                    &paler, &lit, &d, &least, &most})
-      v->resize(n);
-  }
+// A row of a cell, in floats: frame, background, 1 / variance, squared distance.
+struct Chunk {
+  alignas(32) std::array<float, kCell> y{}, cb{}, cr{};
+  alignas(32) std::array<float, kCell> by{}, bcb{}, bcr{};
+  alignas(32) std::array<float, kCell> wy{}, wc{}, d{};
+  alignas(32) std::array<float, kCell> least{}, most{};  // of the plate's luma round the pixel
+  alignas(32) std::array<float, kCell> high{};           // luma over the plate's, most
+  // As they come.
+  alignas(32) std::array<std::uint16_t, kCell> luma{}, py{}, pb{}, pr{}, sy{}, sc{};
 };
 
 // How light may change what a background pixel shows.
@@ -78,36 +76,78 @@ Light light_on_turf(const KeyOptions& options) {
 }
 
 // Greatest and least luma of the plate in 3x3 pixels, less black; both 0 where a part is missing.
-void luma_extremes(const WarpPlane& luma, int y, int height, Span span, RowBuffers& row) {
-  const std::uint16_t* a = luma.row(std::max(0, y - 1));
-  const std::uint16_t* b = luma.row(y);
-  const std::uint16_t* c = luma.row(std::min(height - 1, y + 1));
-  for (int x = span.begin; x < span.end; ++x) {
-    const std::uint16_t low =
-        std::min({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
-    const std::uint16_t high =
-        std::max({a[x - 1], a[x], a[x + 1], b[x - 1], b[x], b[x + 1], c[x - 1], c[x], c[x + 1]});
-    row.least[static_cast<std::size_t>(x)] = low ? low * 0.0625f - 64.f : 0.f;
-    row.most[static_cast<std::size_t>(x)] = low ? high * 0.0625f - 64.f : 0.f;
+void luma_extremes(const WarpedPlate& plate, int x, int y, int n, int height, Chunk& out) {
+  const int i = x / kCell;
+  const int j = y / kCell;
+  const WarpPlane& luma = plate.y;
+  const std::uint16_t* b = luma.row(y) + x;
+  const bool up = y > 0 && plate.done.at(i, (y - 1) / kCell);
+  const bool down = y + 1 < height && plate.done.at(i, (y + 1) / kCell);
+  const std::uint16_t* a = up ? luma.row(y - 1) + x : b;
+  const std::uint16_t* c = down ? luma.row(y + 1) + x : b;
+  // Columns beside the cell, where they and those above and below them are there.
+  const auto beside = [&](int column) {
+    return plate.done.at(column, j) && (!up || plate.done.at(column, (y - 1) / kCell)) &&
+           (!down || plate.done.at(column, (y + 1) / kCell));
+  };
+  const bool before = beside(i - 1);
+  const bool after = n == kCell && beside(i + 1);
+  const int first = before ? 0 : 1;
+  const int last = after ? n : n - 1;
+  std::array<std::uint16_t, kCell + 2> low{};
+  std::array<std::uint16_t, kCell + 2> high{};
+  for (int k = first - 1; k <= last; ++k) {
+    const auto m = static_cast<std::size_t>(k + 1);
+    low[m] = std::min({a[k], b[k], c[k]});
+    high[m] = std::max({a[k], b[k], c[k]});
+  }
+  const auto end = static_cast<std::size_t>(n);
+  if (!before) {
+    low[0] = low[1];
+    high[0] = high[1];
+  }
+  if (!after) {
+    low[end + 1] = low[end];
+    high[end + 1] = high[end];
+  }
+  for (std::size_t k = 0; k < kCell; ++k) {
+    const std::uint16_t least = std::min({low[k], low[k + 1], low[k + 2]});
+    const std::uint16_t most = std::max({high[k], high[k + 1], high[k + 2]});
+    out.least[k] = least ? least * 0.0625f - 64.f : 0.f;
+    out.most[k] = least ? most * 0.0625f - 64.f : 0.f;
   }
 }
 
-// Chroma of a row at luma's resolution, grey = 0.
-void chroma_span(const image::Frame& frame, std::size_t which, int y, Span span, float* out) {
-  const auto shift = image::chroma_shift(frame.format);
+// Chroma of a row of a cell at luma's resolution, grey = 0.
+void load_chroma(const image::Frame& frame, const image::ChromaShift& shift, std::size_t which,
+                 int x, int y, int n, std::array<float, kCell>& out) {
   const auto& plane = frame.planes[which];
   const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
   if (shift.x == 0) {
-    for (int x = span.begin; x < span.end; ++x) out[x] = row[x] - 512.f;
+    for (int k = 0; k < n; ++k) out[static_cast<std::size_t>(k)] = row[x + k] - 512.f;
     return;
   }
   const int last = plane.width() - 1;
-  for (int x = span.begin; x < span.end; x += 2) {
-    const int k = std::min(x / 2, last);
-    out[x] = row[k] - 512.f;
-    if (x + 1 < span.end)
-      out[x + 1] = 0.5f * static_cast<float>(row[k] + row[std::min(k + 1, last)]) - 512.f;
+  std::array<float, kCell / 2 + 1> at{};
+  for (int k = 0; k <= kCell / 2; ++k)
+    at[static_cast<std::size_t>(k)] = row[std::min(x / 2 + k, last)] - 512.f;
+  for (std::size_t k = 0; k < kCell / 2; ++k) {
+    out[2 * k] = at[k];
+    out[2 * k + 1] = 0.5f * (at[k] + at[k + 1]);
   }
+}
+
+// Standard deviations in kDistanceScale, saturating; 0 where there is nothing to compare with.
+void store_distances(const std::array<float, kCell>& squared, const std::uint8_t* known,
+                     std::size_t count, std::uint8_t* out) {
+  alignas(32) std::array<float, kCell> sigma;
+  for (std::size_t k = 0; k < kCell; k += 8)
+    _mm256_store_ps(sigma.data() + k,
+                    _mm256_min_ps(_mm256_mul_ps(_mm256_sqrt_ps(_mm256_load_ps(squared.data() + k)),
+                                                _mm256_set1_ps(kDistanceScale)),
+                                  _mm256_set1_ps(255.f)));
+  for (std::size_t k = 0; k < count; ++k)
+    out[k] = known[k] ? static_cast<std::uint8_t>(sigma[k]) : std::uint8_t{0};
 }
 
 // Luma over the plate's that turf may have where the plate holds a shadow.
@@ -119,16 +159,16 @@ float brightest(const Light& light, float lit, float by, float bcb, float bcr,
   return std::max(light.high, kLitAgain * lit / by);
 }
 
-// The residual with shifts along the plate's edges.
-float shifted(const WarpedPlate& plate, const RowBuffers& row, int x, int y, int taps,
-              float reach) {
-  const auto k = static_cast<std::size_t>(x);
+// The residual of a pixel with shifts along the plate's edges.
+float shifted(const WarpedPlate& plate, const Chunk& row, std::size_t k, int x, int y, int taps,
+              float reach, const Light& light) {
   float best = row.d[k];
   for (int v = -1; v <= 1; ++v)
     for (int u = -1; u <= 1; ++u) {
       if (u == 0 && v == 0) continue;
       const int nx = x + u * taps;
       const int ny = y + v * taps;
+      if (!plate.done.at(nx / kCell, ny / kCell)) continue;
       const std::uint16_t ly = plate.y(nx, ny);
       if (ly == 0) continue;
       const float ey = ly * 0.0625f - 64.f - row.by[k];
@@ -143,7 +183,7 @@ float shifted(const WarpedPlate& plate, const RowBuffers& row, int x, int y, int
       const float t = std::clamp(dot / norm, 0.f, std::min(1.f, reach / length));
       best = std::min(best, residual(row.y[k], row.cb[k], row.cr[k], row.by[k] + t * ey,
                                      row.bcb[k] + t * eb, row.bcr[k] + t * er, row.wy[k], row.wc[k],
-                                     row.low[k], row.high[k], row.slack[k], row.paler[k]));
+                                     light.low, row.high[k], light.slack, light.paler));
     }
   return best;
 }
@@ -294,93 +334,85 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
   const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
   const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
   const auto weak = static_cast<float>(options.weak_sigma * options.weak_sigma);
-  RowBuffers row(static_cast<std::size_t>(width));
+  const auto shift = image::chroma_shift(frame.format);
+  const Expected grassy = turf;
+  Chunk row;
 
-  for (int j = 0; j < active.rows; ++j) {
-    const std::vector<Span> parts = spans(active, j, width);
-    for (const Span& span : parts)
-      for (int x = span.begin; x < span.end; ++x) {
-        const auto k = static_cast<std::size_t>(x);
-        const bool on_turf = grid.turf.at(x / kCell, j);
-        const Light& light = on_turf ? on_grass : kElsewhere;
-        row.low[k] = light.low;
-        row.light_high[k] = light.high;
-        row.slack[k] = light.slack;
-        row.paler[k] = light.paler;
-        row.lit[k] = on_turf ? warper.turf_luma(x / kCell, j) : 0.f;
-      }
+  for (int j = 0; j < active.rows; ++j)
     for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y)
-      for (const Span& span : parts) {
-        const std::uint16_t* luma = frame.planes[0].row(y);
-        chroma_span(frame, 1, y, span, row.cb.data());
-        chroma_span(frame, 2, y, span, row.cr.data());
-        const std::uint16_t* py = plate.y.row(y);
-        const std::uint16_t* pb = plate.cb.row(y);
-        const std::uint16_t* pr = plate.cr.row(y);
-        const std::uint16_t* sy = plate.luma_deviation.row(y);
-        const std::uint16_t* sc = plate.chroma_deviation.row(y);
-        std::uint8_t* known = out.known.row(y);
-        std::uint8_t* edge = out.edge.row(y);
-        const Span inner{std::max(1, span.begin), std::min(width - 1, span.end)};
-        row.least[static_cast<std::size_t>(span.begin)] = 0;
-        row.most[static_cast<std::size_t>(span.begin)] = 0;
-        row.least[static_cast<std::size_t>(span.end - 1)] = 0;
-        row.most[static_cast<std::size_t>(span.end - 1)] = 0;
-        luma_extremes(plate.y, y, height, inner, row);
-        for (int x = span.begin; x < span.end; ++x) {
-          const auto k = static_cast<std::size_t>(x);
-          const bool have = py[x] != 0;
-          const bool grass = row.low[k] < kElsewhere.low;
-          known[x] = have ? 1 : grass && turf.y > 0 ? 2 : 0;
-          row.y[k] = luma[x] - 64.f;
-          row.high[k] = row.light_high[k];
-          row.by[k] = have ? py[x] * 0.0625f - 64.f : turf.y;
-          row.bcb[k] = have ? pb[x] * 0.0625f - 512.f : turf.cb;
-          row.bcr[k] = have ? pr[x] * 0.0625f - 512.f : turf.cr;
-          const float range = have ? row.most[k] - row.least[k] : 0.f;
-          edge[x] = range > kEdgeRange;
-          const float blur = kRangeShare * range;
-          const float dy = have ? sy[x] * 0.0625f : 1.5f * kNoTurfDeviation;
-          const float dc = have ? sc[x] * 0.0625f : 0.5f * kNoTurfDeviation;
+      for (int i = 0; i < active.columns; ++i) {
+        if (!active.at(i, j)) continue;
+        const int x0 = i * kCell;
+        const int n = std::min(kCell, width - x0);
+        const auto count = static_cast<std::size_t>(n);
+        const bool grass = grid.turf.at(i, j);
+        const Light light = grass ? on_grass : kElsewhere;
+        const float lit = grass ? warper.turf_luma(i, j) : 0.f;
+        const auto load = [count](const std::uint16_t* from, std::array<std::uint16_t, kCell>& to) {
+          std::memcpy(to.data(), from, count * sizeof(std::uint16_t));
+        };
+        load(frame.planes[0].row(y) + x0, row.luma);
+        load(plate.y.row(y) + x0, row.py);
+        load(plate.cb.row(y) + x0, row.pb);
+        load(plate.cr.row(y) + x0, row.pr);
+        load(plate.luma_deviation.row(y) + x0, row.sy);
+        load(plate.chroma_deviation.row(y) + x0, row.sc);
+        std::uint8_t* known = out.known.row(y) + x0;
+        std::uint8_t* edge = out.edge.row(y) + x0;
+        std::uint8_t* distance = out.distance.row(y) + x0;
+        load_chroma(frame, shift, 1, x0, y, n, row.cb);
+        load_chroma(frame, shift, 2, x0, y, n, row.cr);
+        luma_extremes(plate, x0, y, n, height, row);
+        for (std::size_t k = 0; k < kCell; ++k) {
+          const bool have = row.py[k] != 0;
+          row.y[k] = row.luma[k] - 64.f;
+          row.by[k] = have ? row.py[k] * 0.0625f - 64.f : grassy.y;
+          row.bcb[k] = have ? row.pb[k] * 0.0625f - 512.f : grassy.cb;
+          row.bcr[k] = have ? row.pr[k] * 0.0625f - 512.f : grassy.cr;
+          const float blur = kRangeShare * (row.most[k] - row.least[k]);
+          const float dy = have ? row.sy[k] * 0.0625f : 1.5f * kNoTurfDeviation;
+          const float dc = have ? row.sc[k] * 0.0625f : 0.5f * kNoTurfDeviation;
           row.wy[k] = 1.f / (noise.luma + dy * dy + blur * blur);
           row.wc[k] = 1.f / (noise.chroma + dc * dc + kChromaOfRange * blur * blur);
         }
-        for (int x = span.begin; x < span.end; ++x) {
-          const auto k = static_cast<std::size_t>(x);
+        row.high.fill(light.high);
+        for (std::size_t k = 0; k < kCell; ++k)
           row.d[k] =
               residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k], row.wy[k],
-                       row.wc[k], row.low[k], row.high[k], row.slack[k], row.paler[k]);
+                       row.wc[k], light.low, light.high, light.slack, light.paler);
+        const std::uint8_t alone = grass && turf.y > 0 ? 2 : 0;
+        for (std::size_t k = 0; k < count; ++k) {
+          known[k] = row.py[k] ? std::uint8_t{1} : alone;
+          edge[k] = row.py[k] != 0 && row.most[k] - row.least[k] > kEdgeRange;
         }
         const bool search = taps > 0 && y >= taps && y + taps < height;
-        for (int x = span.begin; x < span.end; ++x) {
-          const auto k = static_cast<std::size_t>(x);
-          if (row.d[k] < weak || known[x] != 1) continue;
-          if (row.lit[k] > 0) {
-            row.high[k] = brightest(on_grass, row.lit[k], row.by[k], row.bcb[k], row.bcr[k], turf);
-            if (row.high[k] > row.light_high[k])
-              row.d[k] = residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
-                                  row.wy[k], row.wc[k], row.low[k], row.high[k], row.slack[k],
-                                  row.paler[k]);
+        for (std::size_t k = 0; k < count; ++k) {
+          if (row.d[k] < weak || row.py[k] == 0) continue;
+          const int x = x0 + static_cast<int>(k);
+          if (lit > 0) {
+            row.high[k] = brightest(on_grass, lit, row.by[k], row.bcb[k], row.bcr[k], turf);
+            if (row.high[k] > light.high)
+              row.d[k] =
+                  residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
+                           row.wy[k], row.wc[k], light.low, row.high[k], light.slack, light.paler);
           }
           if (search && x >= taps && x + taps < width)
-            row.d[k] = shifted(plate, row, x, y, taps, reach);
+            row.d[k] = shifted(plate, row, k, x, y, taps, reach, light);
         }
         // A blurred or displaced edge is no darker than its darkest, no brighter than its
         // brightest.
-        std::uint8_t* distance = out.distance.row(y);
-        for (int x = span.begin; x < span.end; ++x) {
-          const auto k = static_cast<std::size_t>(x);
+        for (std::size_t k = 0; k < kCell; ++k) {
           const float halo = kHaloShare * (row.most[k] - row.least[k]);
-          const float beyond = std::max(
-              {0.f, row.low[k] * row.least[k] - row.y[k], row.y[k] - row.high[k] * row.most[k]});
-          const float dy = sy[x] * 0.0625f;
+          const float dark = light.low * row.least[k] - row.y[k];
+          const float bright = row.y[k] - row.high[k] * row.most[k];
+          const float more = dark > bright ? dark : bright;
+          const float beyond = row.most[k] > 0 && more > 0 ? more : 0.f;
+          const float dy = row.sy[k] * 0.0625f;
           const float d = beyond * beyond / (noise.luma + dy * dy + halo * halo);
-          const float most = row.most[k] > 0 ? std::max(row.d[k], d) : row.d[k];
-          const float sigma = known[x] ? std::sqrt(most) * kDistanceScale : 0.f;
-          distance[x] = static_cast<std::uint8_t>(std::min(sigma, 255.f));
+          row.d[k] = row.d[k] > d ? row.d[k] : d;
         }
+        store_distances(row.d, known, count, distance);
       }
-  }
   out.active = std::move(active);
   return out;
 }

@@ -43,7 +43,7 @@ CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const
 // standard deviations of noise and plate. Shadows keep turf's chromaticity; turf in the plate's
 // shadows may be as light as that round it. Where the plate has an edge, shifts up to
 // `calibration_px` are forgiven as well, but nothing darker or brighter than both its sides.
-// `plate` must have the cells of `active` and their neighbours.
+// `plate` must have the cells of `active`.
 Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellMask active,
                       const PlateWarper& warper, const FrameGrid& grid, const Expected& turf,
                       const KeyOptions& options);

@@ -75,7 +75,7 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   const Expected turf = turf_colour(frame, grid);
   CellMask active = find_active(frame, warper, grid, o);
   WarpedPlate warped(width, height);
-  warper.warp(active.grown(), warped);
+  warper.warp(active, warped);
   const Difference diff = difference(frame, warped, std::move(active), warper, grid, turf, o);
   const auto peak = local_peak(diff);
   const auto bodies = find_bodies(diff, peak, grid, camera, pitch, o);

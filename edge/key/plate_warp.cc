@@ -212,6 +212,8 @@ void PlateWarper::measure_turf(double noise_codes) {
   };
   luma_bound_ = bound(luma, noise_codes);
   chroma_bound_ = bound(chroma, kChromaNoise * noise_codes);
+  typical_luma_ = static_cast<std::uint16_t>(luma_bound_ / kTurfSpread);
+  typical_chroma_ = static_cast<std::uint16_t>(chroma_bound_ / kTurfSpread);
 
   turf_luma_.assign(grid_.rays.size(), 0.f);
   std::vector<float> near;
@@ -308,6 +310,7 @@ void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out,
   out.range[lane] = any ? static_cast<std::uint16_t>(high - low) : std::uint16_t{0};
 }
 
+template <bool kTypical>
 void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const {
   const float t = static_cast<float>(y % kCell) / kCell;
   const float s = static_cast<float>(x % kCell) / kCell;
@@ -338,22 +341,27 @@ void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSampl
           _mm256_or_ps(_mm256_cmp_ps(u, last, _CMP_GT_OQ), _mm256_cmp_ps(v, last, _CMP_GT_OQ)));
       const TileReader reader(*found, _mm256_min_ps(u, last), _mm256_min_ps(v, last));
       missing = reader.missing() | beyond;
-      __m128i luma_deviation = reader.luma_deviation();
-      __m128i chroma_deviation = reader.chroma_deviation();
-      if (c.turf) {
-        const __m128i keep = _mm_xor_si128(reader.measured(), _mm_set1_epi16(-1));
-        const auto limit = [keep](__m128i values, std::uint16_t bound) {
-          return _mm_min_epu16(
-              values, _mm_or_si128(keep, _mm_set1_epi16(static_cast<std::int16_t>(bound))));
-        };
-        luma_deviation = limit(luma_deviation, luma_bound_);
-        chroma_deviation = limit(chroma_deviation, chroma_bound_);
+      if (kTypical && c.turf) {
+        out.luma_deviation.fill(typical_luma_);
+        out.chroma_deviation.fill(typical_chroma_);
+      } else {
+        __m128i luma_deviation = reader.luma_deviation();
+        __m128i chroma_deviation = reader.chroma_deviation();
+        if (c.turf) {
+          const __m128i keep = _mm_xor_si128(reader.measured(), _mm_set1_epi16(-1));
+          const auto limit = [keep](__m128i values, std::uint16_t bound) {
+            return _mm_min_epu16(
+                values, _mm_or_si128(keep, _mm_set1_epi16(static_cast<std::int16_t>(bound))));
+          };
+          luma_deviation = limit(luma_deviation, luma_bound_);
+          chroma_deviation = limit(chroma_deviation, chroma_bound_);
+        }
+        put(out.luma_deviation, luma_deviation);
+        put(out.chroma_deviation, chroma_deviation);
       }
       put(out.y, reader.luma());
       put(out.cb, reader.chroma(1));
       put(out.cr, reader.chroma(2));
-      put(out.luma_deviation, luma_deviation);
-      put(out.chroma_deviation, chroma_deviation);
       put(out.range, reader.luma_range());
     }
   }
@@ -368,7 +376,7 @@ void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSampl
 }
 
 void PlateWarper::sample(int x, int y, int step, PlateSamples& out) const {
-  sample_eight(cell(x / kCell, y / kCell), x, y, step, out);
+  sample_eight<true>(cell(x / kCell, y / kCell), x, y, step, out);
 }
 
 void PlateWarper::warp(const CellMask& cells, WarpedPlate& out) const {
@@ -391,7 +399,7 @@ void PlateWarper::warp(const CellMask& cells, WarpedPlate& out) const {
       for (const Part& part : parts)
         for (int x = part.i * kCell; x < std::min(width_, (part.i + 1) * kCell); x += 8) {
           if (part.have)
-            sample_eight(part.cell, x, y, 1, s);
+            sample_eight<false>(part.cell, x, y, 1, s);
           else
             s = {};
           const int n = std::min(8, width_ - x);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <vector>
 
 namespace touchline::key {
@@ -11,7 +12,8 @@ namespace {
 
 constexpr int kBand = 2;              // pixels on either side of the boundary that are mixed
 constexpr int kShadeBlock = 4;        // pixels that share a figure for the shadow
-constexpr int kFar = 7;               // depths are told apart up to this
+constexpr int kFar = 4;               // depths are told apart up to this
+constexpr int kDeep = 3;              // pixels from the boundary from which on a colour is pure
 constexpr float kSureShare = 0.55f;   // of that peak, for a pixel of pure foreground
 constexpr float kFringeShare = 0.3f;  // likewise, below which the outermost pixels are a fringe
 constexpr float kCostPerPixel = 60;   // squared code values, of looking for a colour farther away
@@ -19,70 +21,68 @@ constexpr float kUnexplained = 0.3f;  // share of a pixel's squared difference n
 constexpr float kChromaWeight = 2;    // chroma is noisier by format, steadier by light
 
 // Cells of the frame with a body in them or beside them; the rest is not touched.
-class ActiveCells {
- public:
-  explicit ActiveCells(const image::Image<std::uint8_t>& bodies)
-      : width_(bodies.width()),
-        height_(bodies.height()),
-        columns_((width_ + kCell - 1) / kCell),
-        rows_((height_ + kCell - 1) / kCell),
-        active_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0) {
-    for (int y = 0; y < height_; ++y) {
-      const std::uint8_t* row = bodies.row(y);
-      for (int i = 0; i < columns_; ++i) {
-        const int end = std::min(width_, (i + 1) * kCell);
-        if (!std::any_of(row + i * kCell, row + end, [](std::uint8_t b) { return b != 0; }))
-          continue;
-        for (int v = std::max(0, y / kCell - 1); v <= std::min(rows_ - 1, y / kCell + 1); ++v)
-          for (int u = std::max(0, i - 1); u <= std::min(columns_ - 1, i + 1); ++u)
-            active_[static_cast<std::size_t>(v * columns_ + u)] = 1;
-      }
+CellMask cells_of(const image::Image<std::uint8_t>& bodies) {
+  CellMask out(bodies.width(), bodies.height());
+  for (int y = 0; y < bodies.height(); ++y)
+    for (int i = 0; i < out.columns; ++i) {
+      const std::uint8_t* begin = bodies.row(y) + i * kCell;
+      const std::uint8_t* end = bodies.row(y) + std::min(bodies.width(), (i + 1) * kCell);
+      if (!out.at(i, y / kCell) && std::find(begin, end, std::uint8_t{1}) != end)
+        out(i, y / kCell) = 1;
     }
-  }
-  template <typename Visit>
-  void forward(const Visit& visit) const {
-    for (int y = 0; y < height_; ++y)
-      for (int i = 0; i < columns_; ++i)
-        if (active_[static_cast<std::size_t>(y / kCell * columns_ + i)])
-          for (int x = i * kCell; x < std::min(width_, (i + 1) * kCell); ++x) visit(x, y);
-  }
-  template <typename Visit>
-  void backward(const Visit& visit) const {
-    for (int y = height_ - 1; y >= 0; --y)
-      for (int i = columns_ - 1; i >= 0; --i)
-        if (active_[static_cast<std::size_t>(y / kCell * columns_ + i)])
-          for (int x = std::min(width_, (i + 1) * kCell) - 1; x >= i * kCell; --x) visit(x, y);
-  }
-
- private:
-  int width_, height_, columns_, rows_;
-  std::vector<std::uint8_t> active_;
-};
+  return out.grown();
+}
 
 // Steps to the other side, city block, up to kFar: positive inside bodies, negative outside.
 image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies,
-                                       const ActiveCells& cells) {
+                                       const CellMask& cells) {
   const int w = bodies.width();
   const int h = bodies.height();
   image::Image<std::int8_t> out(w, h, -kFar);
-  const auto relax = [&](int x, int y, int nx, int ny) {
-    std::int8_t& d = out(x, y);
-    const bool in = bodies(x, y);
-    const int from = bodies(nx, ny) != bodies(x, y) ? 0 : std::abs(out(nx, ny));
-    const int best = std::min(std::abs(d), from + 1);
-    d = static_cast<std::int8_t>(in ? best : -best);
+  const auto each_row = [&](const auto& visit) {
+    for (int j = 0; j < cells.rows; ++j)
+      for (const Span& span : spans(cells, j, w))
+        for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) visit(span, y);
   };
-  cells.forward([&](int x, int y) {
-    out(x, y) = static_cast<std::int8_t>(bodies(x, y) ? kFar : -kFar);
-    if (x > 0) relax(x, y, x - 1, y);
-    if (y > 0) relax(x, y, x, y - 1);
+  each_row([&](const Span& span, int y) {
+    const std::uint8_t* from = bodies.row(y);
+    std::int8_t* to = out.row(y);
+    for (int x = span.begin; x < span.end; ++x) to[x] = from[x] ? 1 : -1;
   });
-  cells.backward([&](int x, int y) {
-    if (x + 1 < w) relax(x, y, x + 1, y);
-    if (y + 1 < h) relax(x, y, x, y + 1);
-  });
+  // Who has no neighbour on the other side, nor one nearer to it, is a step deeper.
+  std::vector<std::int8_t> deeper(static_cast<std::size_t>(w));
+  for (int step = 1; step < kFar; ++step)
+    each_row([&](const Span& span, int y) {
+      const auto k = static_cast<std::int8_t>(step);
+      const auto minus = static_cast<std::int8_t>(-step);
+      std::int8_t* row = out.row(y);
+      const std::int8_t* above = out.row(std::max(0, y - 1));
+      const std::int8_t* below = out.row(std::min(h - 1, y + 1));
+      std::int8_t* to = deeper.data();
+      const auto one = [&](int x, int left, int right) {
+        const std::int8_t low =
+            std::min(std::min(row[left], row[right]), std::min(above[x], below[x]));
+        const std::int8_t high =
+            std::max(std::max(row[left], row[right]), std::max(above[x], below[x]));
+        const int in = (row[x] == k) & (low >= k);
+        const int away = (row[x] == minus) & (high <= minus);
+        to[x] = static_cast<std::int8_t>(row[x] + in - away);
+      };
+      const int first = std::max(1, span.begin);
+      const int last = std::min(w - 1, span.end);
+      if (span.begin == 0) one(0, 0, std::min(1, w - 1));
+      for (int x = first; x < last; ++x) one(x, x - 1, x + 1);
+      if (span.end == w && w > 1) one(w - 1, w - 2, w - 1);
+      std::copy(to + span.begin, to + span.end, row + span.begin);
+    });
   return out;
 }
+
+// A pixel's colour, in half code values less black and grey; and how deep in a body it is, up to
+// kDeep, when it is surely foreground; else 0.
+struct Core {
+  std::int16_t y, cb, cr, depth;
+};
 
 class Mixer {
  public:
@@ -101,7 +101,8 @@ class Mixer {
     return {luma, chroma(1, x, y), chroma(2, x, y)};
   }
   std::array<float, 3> background(int x, int y) const {
-    if (plate_.y(x, y) == 0) return {turf_.y, turf_.cb, turf_.cr};
+    if (!plate_.done.at(x / kCell, y / kCell) || plate_.y(x, y) == 0)
+      return {turf_.y, turf_.cb, turf_.cr};
     return {plate_.y(x, y) * 0.0625f - 64.f, plate_.cb(x, y) * 0.0625f - 512.f,
             plate_.cr(x, y) * 0.0625f - 512.f};
   }
@@ -125,7 +126,9 @@ class Mixer {
       for (int u = -6; u <= 6; u += 2) {
         const int nx = x + u;
         const int ny = y + v;
-        if (!depth.contains(nx, ny) || depth(nx, ny) > -kBand - 1) continue;
+        if (!depth.contains(nx, ny) || depth(nx, ny) > -kBand - 1 ||
+            !plate_.done.at(nx / kCell, ny / kCell))
+          continue;
         seen += frame_.planes[0](nx, ny) - 64.f;
         expected += plate_.y(nx, ny) ? plate_.y(nx, ny) * 0.0625f - 64.f : turf_.y;
       }
@@ -163,20 +166,38 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
                                       const image::Image<std::uint8_t>& peak,
                                       const image::Image<std::uint8_t>& bodies,
                                       const KeyOptions& options) {
-  const ActiveCells cells(bodies);
+  const int width = bodies.width();
+  const int height = bodies.height();
+  const CellMask cells = cells_of(bodies);
   const auto depth = signed_depth(bodies, cells);
   Mixer mixer(frame, plate, turf);
   const auto& distance = difference.distance;
-  const auto sure = [&](int x, int y) {
-    return bodies(x, y) && distance(x, y) >= kSureShare * peak(x, y);
-  };
   const float own_colour = static_cast<float>(1.5 * options.weak_sigma) * kDistanceScale;
 
-  image::Image<std::uint8_t> alpha(bodies.width(), bodies.height(), 0);
-  cells.forward([&](int x, int y) {
+  image::Image<std::uint8_t> alpha(width, height, 0);
+  const auto each = [&](const auto& visit) {
+    for (int j = 0; j < cells.rows; ++j)
+      for (const Span& span : spans(cells, j, width))
+        for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y)
+          for (int x = span.begin; x < span.end; ++x) visit(x, y);
+  };
+  // Only the cells above are written, and read.
+  const auto cores = std::make_unique_for_overwrite<Core[]>(bodies.size());
+  const auto at = [width](int x, int y) { return static_cast<std::ptrdiff_t>(y) * width + x; };
+  each([&](int x, int y) {
+    const int d = depth(x, y);
+    const bool sure = d > 0 && distance(x, y) >= kSureShare * peak(x, y);
+    Core& core = cores[static_cast<std::size_t>(at(x, y))];
+    core = {};
+    if (!sure) return;
+    const auto p = mixer.pixel(x, y);
+    core = {static_cast<std::int16_t>(2 * p[0]), static_cast<std::int16_t>(2 * p[1]),
+            static_cast<std::int16_t>(2 * p[2]), static_cast<std::int16_t>(std::min(d, kDeep))};
+  });
+  each([&](int x, int y) {
     const int d = depth(x, y);
     if (d < -kBand) return;
-    if (d > kBand && sure(x, y)) {
+    if (d > kBand && cores[static_cast<std::size_t>(at(x, y))].depth > 0) {
       alpha(x, y) = 255;
       return;
     }
@@ -198,12 +219,11 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
       const int nx = x + o[0];
       const int ny = y + o[1];
       if (!depth.contains(nx, ny)) continue;
-      const int inside = depth(nx, ny);
-      if (inside <= 0 || !sure(nx, ny)) continue;
-      const auto f = mixer.pixel(nx, ny);
-      const float fy = f[0] - b[0];
-      const float fb = f[1] - b[1];
-      const float fr = f[2] - b[2];
+      const Core& core = cores[static_cast<std::size_t>(at(nx, ny))];
+      if (core.depth == 0) continue;
+      const float fy = 0.5f * core.y - b[0];
+      const float fb = 0.5f * core.cb - b[1];
+      const float fr = 0.5f * core.cr - b[2];
       const float norm = fy * fy + kChromaWeight * (fb * fb + fr * fr);
       if (norm < 400.f || norm < unlike * 0.5f) continue;
       const float dot = py * fy + kChromaWeight * (pb * fb + pr * fr);
@@ -212,7 +232,7 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
       const float rb = pb - a * fb;
       const float rr = pr - a * fr;
       const float rest = ry * ry + kChromaWeight * (rb * rb + rr * rr);
-      const float cost = rest + far + 250.f * static_cast<float>(std::max(0, 3 - inside));
+      const float cost = rest + far + 250.f * static_cast<float>(kDeep - core.depth);
       if (cost < best_cost) {
         best_cost = cost;
         best_rest = rest;
