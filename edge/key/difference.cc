@@ -349,7 +349,10 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
         const Light light = grass ? on_grass : kElsewhere;
         const float lit = grass ? warper.turf_luma(i, j) : 0.f;
         const auto load = [count](const std::uint16_t* from, std::array<std::uint16_t, kCell>& to) {
-          std::memcpy(to.data(), from, count * sizeof(std::uint16_t));
+          if (count == kCell)
+            std::memcpy(to.data(), from, sizeof to);
+          else
+            std::memcpy(to.data(), from, count * sizeof(std::uint16_t));
         };
         load(frame.planes[0].row(y) + x0, row.luma);
         load(plate.y.row(y) + x0, row.py);

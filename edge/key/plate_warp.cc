@@ -212,8 +212,6 @@ void PlateWarper::measure_turf(double noise_codes) {
   };
   luma_bound_ = bound(luma, noise_codes);
   chroma_bound_ = bound(chroma, kChromaNoise * noise_codes);
-  typical_luma_ = static_cast<std::uint16_t>(luma_bound_ / kTurfSpread);
-  typical_chroma_ = static_cast<std::uint16_t>(chroma_bound_ / kTurfSpread);
 
   turf_luma_.assign(grid_.rays.size(), 0.f);
   std::vector<float> near;
@@ -310,7 +308,7 @@ void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out,
   out.range[lane] = any ? static_cast<std::uint16_t>(high - low) : std::uint16_t{0};
 }
 
-template <bool kTypical>
+template <bool kBounds>
 void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const {
   const float t = static_cast<float>(y % kCell) / kCell;
   const float s = static_cast<float>(x % kCell) / kCell;
@@ -341,9 +339,9 @@ void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSampl
           _mm256_or_ps(_mm256_cmp_ps(u, last, _CMP_GT_OQ), _mm256_cmp_ps(v, last, _CMP_GT_OQ)));
       const TileReader reader(*found, _mm256_min_ps(u, last), _mm256_min_ps(v, last));
       missing = reader.missing() | beyond;
-      if (kTypical && c.turf) {
-        out.luma_deviation.fill(typical_luma_);
-        out.chroma_deviation.fill(typical_chroma_);
+      if (kBounds && c.turf) {
+        out.luma_deviation.fill(luma_bound_);
+        out.chroma_deviation.fill(chroma_bound_);
       } else {
         __m128i luma_deviation = reader.luma_deviation();
         __m128i chroma_deviation = reader.chroma_deviation();

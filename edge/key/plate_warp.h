@@ -62,7 +62,7 @@ class PlateWarper {
 
   bool empty() const { return tiles_.empty(); }
   // Pixels x, x + step .. x + 7 step of a row, all in one cell; step 1 or 2. For a first look:
-  // turf has the deviations that turf mostly has.
+  // turf has the bounds of its deviations.
   void sample(int x, int y, int step, PlateSamples& out) const;
   // Fills the marked cells that are not done; those outside the volume with 0.
   void warp(const CellMask& cells, WarpedPlate& out) const;
@@ -74,7 +74,7 @@ class PlateWarper {
   const image::PlateTile* tile(int column, int row) const;
   Cell cell(int i, int j) const;
   void sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane) const;
-  template <bool kTypical>
+  template <bool kBounds>
   void sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const;
   void measure_turf(double noise_codes);
 
@@ -85,8 +85,7 @@ class PlateWarper {
   std::int32_t first_column_ = 0, last_column_ = -1, first_row_ = 0, last_row_ = -1;
   std::vector<const image::PlateTile*> tiles_;
   std::uint16_t luma_bound_ = 0xffff, chroma_bound_ = 0xffff;
-  std::uint16_t typical_luma_ = 0, typical_chroma_ = 0;  // deviations of turf
-  std::vector<float> turf_luma_;                         // at every second of the grid's nodes
+  std::vector<float> turf_luma_;  // at every second of the grid's nodes
 };
 
 }  // namespace touchline::key

@@ -96,14 +96,12 @@ FrameGrid make_grid(const geometry::CameraEstimate& camera, const pitch::PitchMo
   grid.turf = grid.volume;
   for (int j = 0; j < grid.volume.rows; ++j)
     for (int i = 0; i < grid.volume.columns; ++i) {
-      bool in = false;
-      for (int v = std::max(0, j - 1); v <= std::min(grid.rows - 1, j + 2); ++v)
-        for (int u = std::max(0, i - 1); u <= std::min(grid.columns - 1, i + 2); ++u)
-          in = in || grid.in_volume[grid.index(u, v)];
-      grid.volume(i, j) = in;
-      grid.turf(i, j) =
-          in && (grid.on_turf[grid.index(i, j)] || grid.on_turf[grid.index(i + 1, j)] ||
-                 grid.on_turf[grid.index(i, j + 1)] || grid.on_turf[grid.index(i + 1, j + 1)]);
+      const auto any = [&](const std::vector<std::uint8_t>& nodes) {
+        return nodes[grid.index(i, j)] || nodes[grid.index(i + 1, j)] ||
+               nodes[grid.index(i, j + 1)] || nodes[grid.index(i + 1, j + 1)];
+      };
+      grid.volume(i, j) = any(grid.in_volume);
+      grid.turf(i, j) = grid.volume.at(i, j) && any(grid.on_turf);
     }
   return grid;
 }

@@ -58,8 +58,8 @@ struct FrameGrid {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
            static_cast<std::size_t>(i);
   }
-  CellMask volume;  // any corner of the cell, or of its neighbours: errs on the wide side
-  CellMask turf;    // any corner of the cell, inside the volume
+  CellMask volume;                     // any corner of the cell
+  CellMask turf;                       // any corner of the cell, inside the volume
   float scale_at(int x, int y) const;  // pixels a metre near a pixel; 0 off the turf
 };
 
