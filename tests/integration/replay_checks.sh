@@ -142,10 +142,15 @@ check_full_disk() {
 check_killed_hub() {
   "$root/tools/replay" "$recording" "$work/s" --camera f1 --camera f2 --bin "$bin" > "$work/out" 2>&1 &
   local replaying=$!
-  until [ "$(hub info --session "$work/s" --json 2>/dev/null | grep -o '"instants":[0-9]*' | cut -d: -f2)" -ge 1 ] 2>/dev/null; do
+  # The edge of f2 is held before its first frame, so that the hub cannot finish before it is killed.
+  until pkill -STOP -f "touchline-edge run .*--camera f2 .*--tag replay-$replaying-"; do
+    kill -0 "$replaying" 2>/dev/null || { cat "$work/out"; wrong "the replay ended before an edge could be held"; }
+  done
+  until [ "$(frames_of "$work/s" f1 2>/dev/null)" -ge 1 ] 2>/dev/null; do
     kill -0 "$replaying" 2>/dev/null || { cat "$work/out"; wrong "the replay ended before the hub was killed"; }
   done
   pkill -KILL -f "touchline-hub run .*--tag replay-$replaying-" || wrong "no hub to kill"
+  pkill -CONT -f "touchline-edge run .*--camera f2 .*--tag replay-$replaying-"
   wait "$replaying"
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code of a replay with a killed hub is not 1"; }
   hub verify --session "$work/s" || wrong "the session is not readable"
