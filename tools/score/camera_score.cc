@@ -5,16 +5,6 @@
 
 namespace touchline::score {
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const double at = share * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, values.size() - 1);
-  const double part = at - static_cast<double>(low);
-  return values[low] * (1 - part) + values[high] * part;
-}
-
 std::optional<double> grid_rms_px(const geometry::CameraEstimate& truth,
                                   const geometry::CameraEstimate& estimate,
                                   const pitch::PitchModel& pitch) {

@@ -11,6 +11,7 @@
 #include "shared/pitch/pitch_model.h"
 #include "shared/recording/camera_table.h"
 #include "shared/recording/recording.h"
+#include "tools/score/series.h"
 #include "tools/score/truth.h"
 
 namespace touchline::score {
@@ -36,8 +37,5 @@ std::optional<double> grid_rms_px(const geometry::CameraEstimate& truth,
 CameraScore score_camera(const base::CameraId& camera, const Truth& truth,
                          const std::vector<recording::CameraRow>& rows,
                          const pitch::PitchModel& pitch);
-
-// The value below which `share` of the values lie; 0 when there are none.
-double quantile(std::vector<double> values, double share);
 
 }  // namespace touchline::score

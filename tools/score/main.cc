@@ -1,20 +1,48 @@
 // touchline-score: what a session exported, against what is true.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "shared/recording/recording.h"
 #include "tools/score/report.h"
+#include "tools/score/sets/set_report.h"
 #include "tools/score/truth.h"
 
 namespace {
 
 using namespace touchline;  // NOLINT: this file is the program
 
+// The real sets are looked for in $TOUCHLINE_DATA, else ../shared/data.
+std::filesystem::path data_folder() {
+  const char* stated = std::getenv("TOUCHLINE_DATA");
+  return stated != nullptr && *stated != 0 ? stated : "../shared/data";
+}
+
+std::string list_of_sets() {
+  std::string text;
+  for (const score::SetEntry& entry : score::sets()) {
+    text += "  " + entry.name + ": " + entry.what + "\n";
+  }
+  return text.empty() ? "  none\n" : text;
+}
+
 int failed(const base::Error& error) {
   std::fprintf(stderr, "touchline-score: %s\n", base::to_string(error).c_str());
   return base::exit_code(error);
+}
+
+int score_set(const std::string& name, const score::SetOptions& options, bool json) {
+  for (const score::SetEntry& entry : score::sets()) {
+    if (entry.name != name) continue;
+    const auto report = entry.run(options);
+    if (!report) return failed(report.error());
+    std::printf("%s\n", (json ? score::json_text(*report) : score::table_text(*report)).c_str());
+    return 0;
+  }
+  return failed({base::ErrorKind::kArgument, "set", "there is no set '" + name + "'",
+                 "one of these:\n" + list_of_sets()});
 }
 
 }  // namespace
@@ -33,8 +61,8 @@ int main(int argc, char** argv) {
   std::string recording_folder;
   score::ScoreOptions options;
   bool json = false;
-  app.add_option("--recording", recording_folder, "recording with its truth/")->required();
-  app.add_option("--exports,--session-exports", options.exports, "folder of exports")->required();
+  app.add_option("--recording", recording_folder, "recording with its truth/");
+  app.add_option("--exports,--session-exports", options.exports, "folder of exports");
   app.add_option("--voxel", options.voxel_m, "metres outside the hull that count as inside")
       ->check(CLI::Range(0.0, 0.1))
       ->capture_default_str();
@@ -44,12 +72,27 @@ int main(int argc, char** argv) {
   app.add_option("--views", options.most_views, "frames a virtual camera; 0 = all")
       ->capture_default_str();
   app.add_flag("--json", json, "print JSON");
+  CLI::App* set = app.add_subcommand("set", "scores a set of real frames");
+  std::string set_name;
+  score::SetOptions set_options;
+  set_options.data = data_folder();
+  set->add_option("NAME", set_name, "which set")->required();
+  set->add_option("--data", set_options.data, "folder of all sets; default $TOUCHLINE_DATA")
+      ->capture_default_str();
+  set->add_option("--pictures", set_options.pictures, "folder for pictures of what was found");
+  set->add_flag("--json", json, "print JSON");
+  set->footer("Sets:\n" + list_of_sets());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   cv::setNumThreads(1);
+  if (*set) return score_set(set_name, set_options, json);
+  if (recording_folder.empty() || options.exports.empty()) {
+    return failed({base::ErrorKind::kArgument, "touchline-score",
+                   "--recording and --exports are missing", "give both, or `set NAME`"});
+  }
   const auto recording = recording::load_recording(recording_folder);
   if (!recording) return failed(recording.error());
   const auto truth = score::Truth::open(*recording);
