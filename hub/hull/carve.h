@@ -7,9 +7,10 @@
 //  - a camera takes part unless its estimate is lost or its matte is absent;
 //  - it carves nothing outside its picture, nor within the dilation of the picture's border, nor
 //    where its matte is unknown or occluded (dilated likewise);
-//  - a point is in the hull when no camera carves it and at least `min_support` cameras see it
-//  inside
-//    their dilated foreground.
+//  - a point is in the hull when no camera carves it, at least one camera sees it inside its
+//  dilated
+//    foreground, and at least `min_support` inside their dilated foreground or what is unknown or
+//    occluded to them.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,7 @@ struct HullOptions {
   double voxel_m = 0.02;      // spacing of the samples, metres, 0.005..0.2
   double dilation_px = 3;     // bound on calibration and matting errors, pixels, 0..10
   int alpha_threshold = 128;  // coverage that counts as foreground, 1..255 (1: any)
-  int min_support = 2;        // cameras that must see a point as foreground, 1..6
+  int min_support = 2;        // cameras to which a point must be, or may be, foreground, 1..6
   // Where two cameras see foreground that the hull explains in neither, one camera that carves
   // there is taken to be wrong: its matte has a hole.
   bool heal = true;

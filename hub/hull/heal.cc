@@ -60,11 +60,13 @@ bool evaluate(Brick& brick, double voxel_m, std::span<const SilhouetteMap> maps,
       std::array<float, kBrick> v;
       std::array<float, kBrick> z;
       std::array<float, kBrick> inside;
+      std::array<float, kBrick> support;
       std::array<float, kBrick> seen;
       std::array<float, kBrick> unexplained;
       map.project_row(origin + row % kBrick * across + row / kBrick * up, along, kBrick, u.data(),
                       v.data(), z.data());
-      map.measure_row(kBrick, u.data(), v.data(), z.data(), inside.data(), seen.data());
+      map.measure_row(kBrick, u.data(), v.data(), z.data(), inside.data(), support.data(),
+                      seen.data());
       map.measure_unexplained_row(kBrick, u.data(), v.data(), z.data(), unexplained.data());
       for (std::size_t i = 0; i < kBrick; ++i) {
         const std::size_t at = static_cast<std::size_t>(row) * kBrick + i;

@@ -290,6 +290,11 @@ bool SilhouetteMap::may_support(const BoxFootprint& box) const {
   return seen_blocks_.any(box.x0, box.y0, box.x1, box.y1);
 }
 
+bool SilhouetteMap::may_be_foreground(const BoxFootprint& box) const {
+  if (box.place == BoxPlace::kOutside) return false;
+  return possible_blocks_.any(box.x0, box.y0, box.x1, box.y1);
+}
+
 void SilhouetteMap::project_row(const Eigen::Vector3d& start_in_cam,
                                 const Eigen::Vector3d& step_in_cam, int count, float* u, float* v,
                                 float* z) const {
@@ -341,7 +346,7 @@ float SilhouetteMap::sample(const image::Image<std::uint8_t>& map, float u, floa
 }
 
 void SilhouetteMap::measure_row(int count, const float* u, const float* v, const float* z,
-                                float* possible, float* seen) const {
+                                float* possible, float* support, float* seen) const {
   // The silhouette's boundary runs half a pixel beyond the centres of its outermost pixels.
   const auto bound = static_cast<float>(dilation_px_ + 0.5);
   const auto per_focal = static_cast<float>(1 / camera_.model.fx);
@@ -351,17 +356,19 @@ void SilhouetteMap::measure_row(int count, const float* u, const float* v, const
   for (int i = 0; i < count; ++i) {
     if (z[i] <= 0) {
       possible[i] = kInfinite;
+      support[i] = -kInfinite;
       seen[i] = -kInfinite;
       continue;
     }
     const float metres = z[i] * per_focal;
     const float to_seen = sample(seen_, u[i], v[i]);
-    float to_possible = possible_.empty() ? to_seen : sample(possible_, u[i], v[i]);
+    const float to_foreground = possible_.empty() ? to_seen : sample(possible_, u[i], v[i]);
     // Whatever is outside the picture may be foreground.
     const float border =
         std::min(std::min(u[i] + 1, right - u[i]), std::min(v[i] + 1, bottom - v[i]));
-    to_possible = std::min(to_possible, border);
+    const float to_possible = std::min(to_foreground, border);
     seen[i] = (bound - to_seen) * metres;
+    support[i] = (bound - to_foreground) * metres;
     possible[i] = (bound - to_possible) * metres;
   }
 }

@@ -68,6 +68,8 @@ class SilhouetteMap {
   bool may_hold(const BoxFootprint& box) const;
   // False: no point of the box projects into this camera's dilated foreground.
   bool may_support(const BoxFootprint& box) const;
+  // False: no point of the box projects into this camera's dilated foreground or unknown.
+  bool may_be_foreground(const BoxFootprint& box) const;
 
   Eigen::Vector3d in_cam(const Eigen::Vector3d& point_in_world) const {
     return rotation_ * point_in_world + camera_.cam_from_world.translation;
@@ -91,10 +93,10 @@ class SilhouetteMap {
                    int count, float* u, float* v, float* z) const;
 
   // For points of project_row: metres that a point lies inside (positive) the region this camera
-  // does not carve, and inside its dilated foreground. Infinite, and minus infinite, outside the
-  // picture.
+  // does not carve (infinite outside the picture), inside its dilated foreground or unknown, and
+  // inside its dilated foreground (both minus infinite there).
   void measure_row(int count, const float* u, const float* v, const float* z, float* possible,
-                   float* seen) const;
+                   float* support, float* seen) const;
 
  private:
   int reach() const;

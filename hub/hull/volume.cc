@@ -22,16 +22,18 @@ struct Slab {
 };
 
 bool may_be_inside(const Box& box, std::span<const SilhouetteMap> maps, int min_support) {
+  bool seen = false;
   int support = 0;
   int left = static_cast<int>(maps.size());
   for (const SilhouetteMap& map : maps) {
     const BoxFootprint footprint = map.footprint(box.low, box.high);
     if (!map.may_hold(footprint)) return false;
-    support += map.may_support(footprint);
+    seen |= map.may_support(footprint);
+    support += map.may_be_foreground(footprint);
     --left;
     if (support + left < min_support) return false;
   }
-  return support >= min_support;
+  return seen && support >= min_support;
 }
 
 // Fills the field; false when no sample is inside.
@@ -42,7 +44,9 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
   std::array<float, kBrickSamples> least;
   std::array<std::array<float, kBrickSamples>, kMostSupport> top;
   const auto ranks = static_cast<std::size_t>(options.min_support);
+  std::array<float, kBrickSamples> most;  // inside a camera's foreground, of any camera
   least.fill(kInfinite);
+  most.fill(-kInfinite);
   const auto carved = static_cast<float>(-volume.voxel_m);
   for (std::size_t r = 0; r < ranks; ++r) top[r].fill(-kInfinite);
   const Box box = box_of(brick.key, 1, volume.voxel_m);
@@ -67,13 +71,16 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
         std::array<float, kRow> v;
         std::array<float, kRow> z;
         std::array<float, kRow> possible;
+        std::array<float, kRow> support;
         std::array<float, kRow> seen;
         map.project_row(origin + j * across + k * up, along, kBrick, u.data(), v.data(), z.data());
-        map.measure_row(kBrick, u.data(), v.data(), z.data(), possible.data(), seen.data());
+        map.measure_row(kBrick, u.data(), v.data(), z.data(), possible.data(), support.data(),
+                        seen.data());
         for (std::size_t i = 0; i < kRow; ++i) {
           least[first + i] = std::min(least[first + i], possible[i]);
+          most[first + i] = std::max(most[first + i], seen[i]);
           any |= least[first + i] > 0;
-          float value = seen[i];
+          float value = support[i];
           for (std::size_t r = 0; r < ranks; ++r) {
             const float higher = std::max(top[r][first + i], value);
             value = std::min(top[r][first + i], value);
@@ -85,7 +92,9 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
     if (!any) return false;
   }
   std::array<float, kBrickSamples> value;
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] = std::min(least[i], top[ranks - 1][i]);
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    value[i] = std::min({least[i], top[ranks - 1][i], most[i]});
+  }
   return write_field(brick, value, volume.voxel_m, pitch, options);
 }
 

@@ -276,6 +276,22 @@ TEST(Carve, UnknownPixelsNeverCarve) {
   }
 }
 
+TEST(Carve, UnknownPixelsSupportWhatAnotherCameraSees) {
+  std::mt19937 random(38);
+  const std::vector<Capsule> people = {support::standing(0, 0)};
+  std::vector<codec::CameraView> views = random_views(random, 2, people);
+  // The second camera cannot tell a black kit from a black board.
+  image::Matte& matte = *views[1].matte;
+  std::swap(matte.alpha, matte.unknown);
+  const score::MeshQuery query = query_of(carve(views, small_pitch(), coarse_options()).hull);
+  for (const Eigen::Vector3d& point : support::surface_points(people[0], 500, random)) {
+    EXPECT_TRUE(query.inside(point)) << point.transpose();
+  }
+  // What no camera sees as foreground is nobody.
+  std::swap(views[0].matte->alpha, views[0].matte->unknown);
+  EXPECT_TRUE(carve(views, small_pitch(), coarse_options()).hull.groups.empty());
+}
+
 TEST(Carve, HealsAHoleInOneMatte) {
   std::mt19937 random(39);
   const std::vector<Capsule> people = {support::standing(0, 0), support::standing(1.5, 0.5)};
