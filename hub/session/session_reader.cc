@@ -167,6 +167,31 @@ class SessionReader::Impl {
   const std::vector<Event>& events() const { return index_.events; }
 
  private:
+  // How far from an instant a view of each camera may lie: no farther than half of what usually
+  // lies between that camera's frames, so that the frames between the instants of a faster camera
+  // belong to none.
+  std::vector<std::int64_t> reach_of_cameras(std::int64_t tolerance) const {
+    std::vector<std::vector<std::int64_t>> times(index_.info.cameras.size());
+    for (const ViewRow& view : index_.views) {
+      if (std::abs(view.time.ns / 4) <= kMaxDistance_ns) times[view.camera].push_back(view.time.ns);
+    }
+    std::vector<std::int64_t> reach;
+    for (std::vector<std::int64_t>& of : times) {
+      std::sort(of.begin(), of.end());
+      of.erase(std::unique(of.begin(), of.end()), of.end());
+      std::vector<std::int64_t> gaps;
+      for (std::size_t i = 1; i < of.size(); ++i) gaps.push_back(of[i] - of[i - 1]);
+      if (gaps.empty()) {
+        reach.push_back(tolerance);
+        continue;
+      }
+      const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+      std::nth_element(gaps.begin(), middle, gaps.end());
+      reach.push_back(std::min(tolerance, *middle / 2 + 1));
+    }
+    return reach;
+  }
+
   // Gives every view to its instant; of two of one camera the nearer, then the later epoch.
   void arrange(std::int64_t tolerance) {
     struct Claim {
@@ -176,6 +201,7 @@ class SessionReader::Impl {
       std::size_t view = 0;
     };
     std::vector<Claim> claims;
+    const std::vector<std::int64_t> reach = reach_of_cameras(tolerance);
     for (std::size_t i = 0; i < index_.views.size(); ++i) {
       const ViewRow& view = index_.views[i];
       if (view.time.ns > kMaxDistance_ns * 4 || view.time.ns < -kMaxDistance_ns * 4 ||
@@ -185,7 +211,7 @@ class SessionReader::Impl {
       const std::int64_t number = nearest_instant(start_, index_.info.rate, view.time);
       const std::int64_t distance =
           std::abs(base::frame_time(start_, index_.info.rate, number).ns - view.time.ns);
-      if (distance <= tolerance) claims.push_back({number, view.camera, distance, i});
+      if (distance <= reach[view.camera]) claims.push_back({number, view.camera, distance, i});
     }
     const auto rank = [&](const Claim& claim) {
       return std::tuple(claim.number, claim.camera, claim.distance,

@@ -123,6 +123,28 @@ TEST(Session, MatchesByMediaTimeWithinTheTolerance) {
   EXPECT_EQ(std::get<codec::EncodedView>(set->entries[1].view).id.epoch, 2u);
 }
 
+TEST(Session, FramesBetweenTheInstantsOfAFasterCameraMakeNoInstant) {
+  const support::TempFolder temp;
+  SessionWriter writer = create(temp / "s");
+  for (int frame = 0; frame < 4; ++frame) {
+    codec::EncodedView view = samples::view("m1", static_cast<std::uint64_t>(frame));
+    view.stamp.media_time.ns = frame * 40'000'000LL;
+    ASSERT_TRUE(writer.append(view));
+  }
+  for (int frame = 0; frame < 8; ++frame) {
+    codec::EncodedView view = samples::view("f1", static_cast<std::uint64_t>(frame));
+    view.stamp.media_time.ns = frame * 20'000'000LL;
+    ASSERT_TRUE(writer.append(view));
+  }
+  ASSERT_TRUE(writer.finish());
+  const SessionReader reader = open(temp / "s");
+  ASSERT_EQ(reader.instants().size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto set = reader.frame_set(i);
+    EXPECT_EQ(std::get<codec::EncodedView>(set->entries[1].view).id.sequence, 2 * i);
+  }
+}
+
 TEST(Session, KeepsTheFirstOfTwoEqualFrames) {
   const support::TempFolder temp;
   SessionWriter writer = create(temp / "s");
