@@ -226,6 +226,7 @@ base::Result<codec::EncodedPlateTile> to_plate_tile(wire::PlateMessage message,
   if (check.error()) return base::fail(*check.error());
   codec::EncodedPlateTile tile;
   tile.camera.value = std::move(message.camera);
+  tile.epoch = message.epoch;
   tile.plate_version = message.plate_version;
   tile.key = {message.column, message.row};
   tile.radians_per_px = message.radians_per_px;

@@ -76,14 +76,15 @@ base::Result<Index> read_all(Database& database, const fs::path& file) {
   if (status) {
     status = each_row(
         database, file,
-        "SELECT camera, tile_column, tile_row, version, segment, offset, length FROM plate "
-        "ORDER BY camera, tile_column, tile_row, version",
+        "SELECT camera, tile_column, tile_row, epoch, version, segment, offset, length FROM plate "
+        "ORDER BY camera, tile_column, tile_row, epoch, version",
         [&](const Statement& row) {
           PlateRow plate;
           plate.key = {static_cast<std::int32_t>(row.integer(1)),
                        static_cast<std::int32_t>(row.integer(2))};
-          plate.version = static_cast<std::uint32_t>(row.integer(3));
-          if (!get_place(row, 4, cameras, plate.camera, plate.place)) return false;
+          plate.epoch = static_cast<std::uint32_t>(row.integer(3));
+          plate.version = static_cast<std::uint32_t>(row.integer(4));
+          if (!get_place(row, 5, cameras, plate.camera, plate.place)) return false;
           index.plates.push_back(plate);
           return true;
         });

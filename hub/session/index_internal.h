@@ -23,6 +23,7 @@ struct ViewRow {
 struct PlateRow {
   std::size_t camera = 0;
   image::PlateTileKey key;
+  std::uint32_t epoch = 0;
   std::uint32_t version = 0;
   RecordPlace place;
 };
@@ -31,7 +32,7 @@ struct Index {
   SessionInfo info;
   bool finished = false;
   std::vector<ViewRow> views;    // by camera, epoch, sequence
-  std::vector<PlateRow> plates;  // by camera, key, version
+  std::vector<PlateRow> plates;  // by camera, key, epoch, version
   std::vector<Event> events;     // sorted
 };
 

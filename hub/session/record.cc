@@ -5,11 +5,11 @@
 #include "hub/session/record_internal.h"
 #include "shared/codec/byte_stream.h"
 
-// Version 1. A view: version (16 bits), camera, epoch (32), sequence (64), media time (64), clock
+// Version 2. A view: version (16 bits), camera, epoch (32), sequence (64), media time (64), clock
 // domain (8), uncertainty (64), whether there is a timecode (8) and it, camera model, rotation,
 // translation, covariance, evidence (8), rms, number of parts (16), for each kind (8), version
-// (16), length (32), then the parts' bytes. A tile: version, camera, plate version (32), column
-// (32), row (32), radians a pixel, centre, format version (16), bytes to the end.
+// (16), length (32), then the parts' bytes. A tile: version, camera, epoch (32), plate version
+// (32), column (32), row (32), radians a pixel, centre, format version (16), bytes to the end.
 
 namespace touchline::session {
 namespace {
@@ -18,7 +18,7 @@ using base::ErrorKind;
 using codec::ByteReader;
 using codec::ByteWriter;
 
-constexpr std::uint16_t kRecordVersion = 1;
+constexpr std::uint16_t kRecordVersion = 2;
 
 void put(ByteWriter& out, const base::FrameStamp& stamp) {
   out.put(stamp.media_time.ns);
@@ -118,6 +118,7 @@ std::vector<std::uint8_t> pack(const codec::EncodedPlateTile& tile) {
   ByteWriter out;
   out.put(kRecordVersion);
   out.put_text(tile.camera.value);
+  out.put(tile.epoch);
   out.put(tile.plate_version);
   out.put(tile.key.column);
   out.put(tile.key.row);
@@ -171,6 +172,7 @@ base::Result<codec::EncodedPlateTile> unpack_plate_tile(std::span<const std::uin
   }
   codec::EncodedPlateTile tile;
   tile.camera.value = in.get_text();
+  tile.epoch = in.get<std::uint32_t>();
   tile.plate_version = in.get<std::uint32_t>();
   tile.key.column = in.get<std::int32_t>();
   tile.key.row = in.get<std::int32_t>();

@@ -26,9 +26,9 @@ constexpr const char* kTables = R"(
     PRIMARY KEY(camera, epoch, sequence)) WITHOUT ROWID;
   CREATE TABLE plate(
     camera INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL,
-    version INTEGER NOT NULL,
+    epoch INTEGER NOT NULL, version INTEGER NOT NULL,
     segment INTEGER NOT NULL, offset INTEGER NOT NULL, length INTEGER NOT NULL,
-    PRIMARY KEY(camera, tile_column, tile_row, version)) WITHOUT ROWID;
+    PRIMARY KEY(camera, tile_column, tile_row, epoch, version)) WITHOUT ROWID;
   CREATE TABLE event(
     time_ns INTEGER NOT NULL, camera TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL);
 )";

@@ -13,7 +13,7 @@
 
 namespace touchline::session {
 
-inline constexpr int kSessionFormatVersion = 1;
+inline constexpr int kSessionFormatVersion = 2;
 
 struct SessionCamera {
   base::CameraId id;

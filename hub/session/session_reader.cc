@@ -267,21 +267,23 @@ class SessionReader::Impl {
     if (!bytes) return base::fail(bytes.error());
     auto tile = unpack_plate_tile(*bytes);
     if (tile && (tile->camera.value != name(row.camera) || tile->key != row.key ||
-                 tile->plate_version != row.version)) {
+                 tile->epoch != row.epoch || tile->plate_version != row.version)) {
       return base::fail(ErrorKind::kFormat, "plate tile record",
                         "another tile than the index names");
     }
     return tile;
   }
 
-  // From the newest version back, so that the newest tile says which centre and scale hold.
+  // From the newest version of the newest run back, so that the newest tile says which centre and
+  // scale hold.
   image::PlateSnapshot plate_of(std::size_t camera) const {
     std::vector<const PlateRow*> rows;
     for (const PlateRow& row : index_.plates) {
       if (row.camera == camera) rows.push_back(&row);
     }
-    std::stable_sort(rows.begin(), rows.end(),
-                     [](const PlateRow* a, const PlateRow* b) { return a->version > b->version; });
+    std::stable_sort(rows.begin(), rows.end(), [](const PlateRow* a, const PlateRow* b) {
+      return std::pair(a->epoch, a->version) > std::pair(b->epoch, b->version);
+    });
     image::PlateSnapshot plate;
     for (const PlateRow* row : rows) {
       if (plate.tiles.count(row->key) != 0) continue;

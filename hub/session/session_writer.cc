@@ -88,8 +88,9 @@ class SessionWriter::Impl {
         {find_view_, "SELECT 1 FROM view WHERE camera=? AND epoch=? AND sequence=?"},
         {add_view_, "INSERT INTO view VALUES(?,?,?,?,?,?,?)"},
         {find_plate_,
-         "SELECT 1 FROM plate WHERE camera=? AND tile_column=? AND tile_row=? AND version=?"},
-        {add_plate_, "INSERT INTO plate VALUES(?,?,?,?,?,?,?)"},
+         "SELECT 1 FROM plate WHERE camera=? AND tile_column=? AND tile_row=? AND epoch=? AND "
+         "version=?"},
+        {add_plate_, "INSERT INTO plate VALUES(?,?,?,?,?,?,?,?)"},
         {add_event_, "INSERT INTO event VALUES(?,?,?,?)"}};
     for (const auto& [statement, sql] : statements) {
       if (!status) return status;
@@ -125,6 +126,7 @@ class SessionWriter::Impl {
       row.bind(*camera)
           .bind(std::int64_t{tile.key.column})
           .bind(std::int64_t{tile.key.row})
+          .bind(std::int64_t{tile.epoch})
           .bind(std::int64_t{tile.plate_version});
     };
     find_plate_->reset();

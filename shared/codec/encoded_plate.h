@@ -12,6 +12,8 @@ namespace touchline::codec {
 
 struct EncodedPlateTile {
   base::CameraId camera;
+  std::uint32_t epoch =
+      0;  // of the run that built the plate: versions count anew in each; its sender sets it
   std::uint32_t plate_version = 0;  // of the snapshot the tile was taken from
   image::PlateTileKey key;
   double radians_per_px = 0;

@@ -141,6 +141,7 @@ base::Result<EncodedPlateTile> encode_plate_tile(const base::CameraId& camera,
   auto bytes = encode_plate_tile(found->second, plate.colour, options);
   if (!bytes) return base::fail(bytes.error());
   return EncodedPlateTile{camera,
+                          0,
                           plate.version,
                           key,
                           plate.radians_per_px,

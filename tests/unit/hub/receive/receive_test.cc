@@ -78,6 +78,7 @@ TEST(Receive, WhatWasPublishedComesBack) {
 TEST(Receive, APlateTileComesBack) {
   codec::EncodedPlateTile tile;
   tile.camera = {"m1"};
+  tile.epoch = 2;
   tile.plate_version = 3;
   tile.key = {-4, 17};
   tile.radians_per_px = 3e-4;

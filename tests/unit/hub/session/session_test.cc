@@ -170,6 +170,23 @@ TEST(Session, GivesTheNewestVersionOfEachPlateTile) {
   EXPECT_EQ(plate.tiles.at({0, 0}).count, touchline::samples::plate_tile(5).count);
 }
 
+TEST(Session, AUnitThatStartedAgainReplacesItsPlate) {
+  const support::TempFolder temp;
+  SessionWriter writer = create(temp / "s");
+  codec::EncodedPlateTile tile = samples::plate_tile("m1", 9, {0, 0});
+  tile.epoch = 1;
+  ASSERT_TRUE(writer.append(tile));
+  tile = samples::plate_tile("m1", 2, {0, 0});
+  tile.epoch = 2;
+  ASSERT_TRUE(writer.append(tile));
+  ASSERT_TRUE(writer.finish());
+  const SessionReader reader = open(temp / "s");
+  const auto plates = reader.plates();
+  ASSERT_TRUE(plates);
+  EXPECT_EQ(plates->at({"m1"}).version, 2u);
+  EXPECT_TRUE(reader.verify()->sound());
+}
+
 TEST(Session, RollsSegments) {
   const support::TempFolder temp;
   SessionWriter writer = create(temp / "s", samples::info(), {.segment_bytes = 4096});
