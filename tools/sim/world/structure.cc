@@ -257,9 +257,17 @@ void add_masts(Builder& builder, Structure& out, const WorldSpec& spec,
                      base - right + Vector3f(0, 0, 4.5f), base + right + Vector3f(0, 0, 4.5f));
       }
   } else if (spec.floodlights.layout == Floodlights::kRoof) {
-    for (const float x : {-0.62f, 0.0f, 0.62f})
-      for (const float y : {-1.0f, 1.0f})
-        out.masts.emplace_back(x * half_x, y * (half_y + 13), ground + 27);
+    // Along the front edges of the roofs of the long sides.
+    for (const Side side : {Side::kNear, Side::kFar}) {
+      const Tier& tier = out.stands[static_cast<std::size_t>(side)];
+      const bool roof = tier.present && tier.roof;
+      const float y =
+          half_y +
+          (roof ? static_cast<float>(spec.stands.distance_m) + tier.roof_front - 0.8f : 12.0f);
+      const float z = roof ? tier.roof_z + 3.0f : 27.0f;
+      for (const float x : {-0.62f, 0.0f, 0.62f})
+        out.masts.emplace_back(x * half_x, side == Side::kNear ? -y : y, ground + z);
+    }
   }
 }
 

@@ -1,6 +1,8 @@
 // Everything solid that does not move: posts, flags, pads, boards, stands, roofs, dugouts.
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <vector>

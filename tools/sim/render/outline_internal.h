@@ -1,0 +1,19 @@
+// Pixels in which thin things may lie that one ray would miss: limbs, the ball, poles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tools/sim/render/moment_internal.h"
+#include "tools/sim/render/renderer.h"
+
+namespace touchline::sim::render {
+
+// One byte a pixel, 1 = take several samples at once.
+std::vector<std::uint8_t> mark_thin(const Exposure& exposure, const Moment& moment,
+                                    const world::WorldData& world);
+
+// How far the picture moves while the shutter is open, at a pixel: its longer component, pixels.
+Eigen::Vector2f picture_motion(const Exposure& exposure, const Eigen::Vector2d& pixel);
+
+}  // namespace touchline::sim::render

@@ -1,0 +1,67 @@
+// Packets of eight samples: traced, lit and shaded.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tools/sim/render/lens_internal.h"
+#include "tools/sim/render/moment_internal.h"
+#include "tools/sim/render/net_internal.h"
+
+namespace touchline::sim::render {
+
+inline constexpr int kLanes = 8;
+
+struct Lane {
+  float x = 0, y = 0;  // pixel coordinates
+  float time = 0.5f;   // within the shutter
+  const SampleCamera* camera = nullptr;
+  float size = 1;                  // width of the sample, pixels
+  float smear_x = 0, smear_y = 0;  // how far the picture moves within this sample's time, pixels
+  std::uint32_t nets = 0;
+  bool lone = true;  // the pixel's only sample: take several rays to wide lamps
+};
+
+struct Sample {
+  std::array<float, 3> colour{};
+  float matte = 0;         // 0-1
+  std::uint32_t kind = 0;  // what it shows; samples of different kind make an outline
+  bool detail = false;     // its pixel wants more samples
+  bool figure = false;
+  bool stand = false;
+};
+
+// The lighting and the world while a shutter is open; shared by all tiles.
+class Shader {
+ public:
+  Shader(const Ground& ground, const Moment& moment, const Nets& nets, double time_s,
+         std::uint32_t ray_mask, bool shadows);
+  void trace(const Lane* lanes, int count, Sample* samples) const;
+  const world::Lighting& lighting() const { return lighting_; }
+
+ private:
+  struct Points;
+  void find(const Lane* lanes, int count, Points& points, Sample* samples) const;
+  void turf_point(const Lane& lane, int i, Points& points, Sample& sample) const;
+  void solid_point(const Lane& lane, int i, unsigned geometry, unsigned primitive, Points& points,
+                   Sample& sample) const;
+  void figure_point(int i, unsigned figure, unsigned primitive, float u, float v, Points& points,
+                    Sample& sample) const;
+  void light(const Lane* lanes, int count, Points& points, Sample* samples) const;
+  void finish(const Lane& lane, int i, const Points& points, Sample& sample) const;
+  void cover_by_nets(const Lane& lane, int i, const Points& points, Sample& sample) const;
+
+  const Ground& ground_;
+  const world::WorldData& world_;
+  const Moment& moment_;
+  const Nets& nets_;
+  double time_s_;
+  std::uint32_t ray_mask_;
+  bool shadows_;
+  world::Lighting lighting_;
+  std::vector<const LightCells*> cells_;  // of each lamp of lighting_
+  double crown_, half_width_;
+};
+
+}  // namespace touchline::sim::render
