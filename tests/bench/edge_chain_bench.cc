@@ -1,79 +1,93 @@
-// The whole edge chain on one core, by stage: milliseconds a 1080p frame of the embedded sample.
-// TOUCHLINE_RECORDING names another recording.
-#include <benchmark/benchmark.h>
-
-#include <cstdlib>
+// The whole edge chain on one core: CPU milliseconds a frame once the first frames, from which
+// detail and plate are learnt, are through. Each stage, and learning and survey, which happen once
+// a match, are counters.
+#include <algorithm>
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "edge/capture/recording_source.h"
 #include "edge/edge_config.h"
 #include "edge/frame_chain.h"
-#include "shared/recording/recording.h"
-#include "shared/recording/video_reader.h"
+#include "tests/bench/bench.h"
+#include "tests/bench/input.h"
 
-namespace touchline {
+namespace touchline::bench {
 namespace {
 
-void edge_chain(benchmark::State& state, const std::string& camera) {
-  const char* named = std::getenv("TOUCHLINE_RECORDING");
-  const auto recording = recording::load_recording(named != nullptr ? named : "tests/data/sample");
-  if (!recording) return state.SkipWithError(base::to_string(recording.error()).c_str());
-  const base::CameraId id{camera};
-  const auto setup = edge::chain_setup(*recording, id);
-  if (!setup) return state.SkipWithError(base::to_string(setup.error()).c_str());
-  const edge::SurveyStills stills = edge::load_stills(*recording->find(id));
-  auto reader = recording::VideoReader::open(*recording->find(id), *recording, 1);
-  if (!reader) return state.SkipWithError(base::to_string(reader.error()).c_str());
-  std::vector<image::FramePtr> frames;
-  while (auto frame = reader->next()) {
-    if (!*frame) break;
-    frames.push_back(std::make_shared<const image::Frame>(std::move(**frame)));
-  }
+using recording::Role;
 
-  std::vector<edge::StageTime> total;
-  std::uint64_t lost = 0, bytes = 0;
+void chain(benchmark::State& state, Size size, Role role) {
+  const recording::CameraEntry& entry = first_camera(role);
+  const edge::ChainSetup setup = must(edge::chain_setup(the_recording(), entry.id));
+  edge::SurveyStills stills = edge::load_stills(entry);
+  std::vector<image::FramePtr> frames = camera_frames(role, Size::k1080).raw;
+  if (size == Size::k2160) {
+    for (image::Frame& still : stills.frames) still = doubled(still);
+    frames = camera_frames(role, size).raw;
+  }
+  // The first frames are held while detail and plate are learnt; the others are timed.
+  const std::size_t held = std::max<std::size_t>(1, std::min<std::size_t>(4, frames.size() / 2));
+  edge::ChainOptions options;
+  options.hold_back_s = (static_cast<double>(held) - 0.5) * setup.rate.period_s();
+  if (frames.size() < 2) return state.SkipWithError("two frames or more are needed");
   for (auto _ : state) {
-    auto chain = edge::FrameChain::make(*setup, {}, stills.frames);
-    if (!chain) return state.SkipWithError(base::to_string(chain.error()).c_str());
-    const auto count = [&](const edge::ChainOutput& out) {
-      for (const codec::EncodedView& view : out.views) {
-        for (const codec::EncodedPart& part : view.parts) bytes += part.bytes.size();
+    std::vector<image::Frame> copy = stills.frames;
+    std::size_t bytes = 0;
+    double learnt = 0;
+    double spent = 0;
+    edge::ChainReport before;
+    edge::ChainReport report;
+    const double peak = peak_mib([&] {
+      auto made = must(edge::FrameChain::make(setup, options, std::move(copy)));
+      double start = cpu_seconds();
+      for (std::size_t i = 0; i < held; ++i) made.push(frames[i]);
+      learnt = cpu_seconds() - start;
+      before = made.report();
+      start = cpu_seconds();
+      for (std::size_t i = held; i < frames.size(); ++i) {
+        for (const codec::EncodedView& view : made.push(frames[i]).views) {
+          for (const codec::EncodedPart& part : view.parts) bytes += part.bytes.size();
+        }
       }
-    };
-    for (const image::FramePtr& frame : frames) count(chain->push(frame));
-    count(chain->finish());
-    const edge::ChainReport report = chain->report();
-    lost += report.frames_lost;
-    if (total.empty()) {
-      total = report.stages;
-    } else {
-      for (std::size_t i = 0; i < total.size(); ++i) {
-        total[i].seconds += report.stages[i].seconds;
-        total[i].frames += report.stages[i].frames;
+      spent = cpu_seconds() - start;
+      report = made.report();
+    });
+    const auto all = static_cast<double>(frames.size() - held);
+    for (std::size_t i = 0; i < report.stages.size(); ++i) {
+      const edge::StageTime& stage = report.stages[i];
+      if (stage.stage == "survey") {
+        state.counters["survey_s"] = stage.seconds;
+      } else {
+        state.counters[stage.stage + "_ms"] =
+            1e3 * (stage.seconds - before.stages[i].seconds) / all;
       }
     }
-  }
-  const double all = static_cast<double>(frames.size()) * static_cast<double>(state.iterations());
-  double chain_ms = 0;
-  for (const edge::StageTime& stage : total) {
-    // The survey is done once a match, not once a frame.
-    if (stage.stage == "survey") {
-      state.counters["survey_s"] = stage.seconds / static_cast<double>(state.iterations());
-      continue;
+    state.counters["learn_s"] = learnt;
+    state.counters["lost"] = static_cast<double>(report.frames_lost);
+    state.counters["bytes"] = static_cast<double>(bytes) / all;
+    state.counters["peak_mib"] = peak;
+    state.SetIterationTime(spent / all);
+    if (role == Role::kMatch && size == Size::k1080 && report.frames_lost == report.frames_in) {
+      return state.SkipWithError("every frame is lost");
     }
-    state.counters[stage.stage + "_ms"] = 1e3 * stage.seconds / all;
-    chain_ms += 1e3 * stage.seconds / all;
   }
-  state.counters["chain_ms"] = chain_ms;
-  state.counters["lost"] = static_cast<double>(lost) / static_cast<double>(state.iterations());
-  state.counters["kB_frame"] = static_cast<double>(bytes) / 1e3 / all;
 }
 
-BENCHMARK_CAPTURE(edge_chain, match_m1, "m1")->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK_CAPTURE(edge_chain, match_m3, "m3")->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK_CAPTURE(edge_chain, fixed_f1, "f1")->Unit(benchmark::kMillisecond)->Iterations(1);
+void add_all() {
+  for (const Size size : kSizes) {
+    add("edge chain", kOurs, name(size) + " head",
+        [=](auto& state) { chain(state, size, Role::kMatch); })
+        .by_hand()
+        .once();
+    add("edge chain", kOurs, name(size) + " fixed",
+        [=](auto& state) { chain(state, size, Role::kFixed); })
+        .by_hand()
+        .once();
+  }
+}
 
 }  // namespace
-}  // namespace touchline
+}  // namespace touchline::bench
+
+int main(int argc, char** argv) {
+  touchline::bench::add_all();
+  return touchline::bench::run(argc, argv);
+}
