@@ -6,7 +6,7 @@
 
 #include "edge/calibrate/pose_score_internal.h"
 #include "edge/calibrate/survey_run_internal.h"
-#include "edge/calibrate/survey_solve_internal.h"
+#include "edge/calibrate/survey_solve.h"
 
 namespace touchline::calibrate {
 namespace {

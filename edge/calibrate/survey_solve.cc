@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "edge/calibrate/survey_solve_internal.h"
+#include "edge/calibrate/survey_solve.h"
 #include "shared/geometry/camera_model.h"
 
 namespace touchline::calibrate {

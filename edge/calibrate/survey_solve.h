@@ -1,4 +1,4 @@
-// Joint least squares of one mount and the head poses of its stills on matched line points.
+// Joint least squares of one mount and the head poses of its pictures on matched line points.
 #pragma once
 
 #include <Eigen/Core>
