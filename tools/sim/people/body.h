@@ -17,7 +17,7 @@ class Paint;  // colour by place on the body; internal
 struct Body {
   std::string id;    // as in people.csv; the ball's is "ball"
   std::string team;  // "" for the ball
-  std::string role;  // "player", "keeper", "referee", "ball"
+  std::string role;  // "player", "goalkeeper", "referee", "ball"
   std::size_t vertices = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::shared_ptr<const Paint> paint;

@@ -25,7 +25,8 @@ enum class Role : std::uint8_t { kPlayer, kKeeper, kReferee };
 enum class KitPattern : std::uint8_t { kPlain, kStripes, kHoops, kHalves, kSash };
 enum class HairStyle : std::uint8_t { kBald, kShaved, kShort, kFull, kLong };
 
-// "player", "keeper", "referee"; "plain", "stripes", ...; "bald", ... as people.csv and scenes say.
+// "player", "goalkeeper" (read as "keeper" too), "referee"; "plain", "stripes", ...; "bald", ... as
+// people.csv and scenes say.
 std::string_view name(Role role);
 std::string_view name(KitPattern pattern);
 std::string_view name(HairStyle style);
@@ -77,9 +78,10 @@ struct ActionSpec {
   // there.
   std::optional<Eigen::Vector2d> ball_m;
 };
-// "shot", "shot_run", "pass", "pass_run", "header", "header_jump", "header_dive", "slide", "throw",
-// "dive_high", "dive_mid", "dive_low", "catch", "block", "trap", "trip", "celebrate", "dismay",
-// "card", "jump", "clap".
+// shot, shot_run, pass, pass_run, header, header_jump, header_run, header_dive, bicycle, slide,
+// tackle, throw, dive_high, dive_mid, dive_low, catch, catch_high, trap, chest, trip, fall,
+// celebrate, dismay, card. Dives go to the person's own left. Who runs faster than 2.5 m/s takes
+// shot, pass and header in stride. Who ends on the turf gets up.
 const std::vector<std::string>& action_names();
 
 enum class Facing : std::uint8_t {
