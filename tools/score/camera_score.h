@@ -1,41 +1,58 @@
-// How well cameras were found: distances between true and estimated pictures of the turf
-// (formats.md).
+// How well cameras were found: distances between true and estimated pictures of turf and markings,
+// angles, positions, and whether the stated uncertainty is true (formats.md).
 #pragma once
 
+#include <array>
 #include <optional>
-#include <string>
+#include <span>
 #include <vector>
 
-#include "shared/base/result.h"
 #include "shared/geometry/camera_estimate.h"
 #include "shared/pitch/pitch_model.h"
-#include "shared/recording/camera_table.h"
-#include "shared/recording/recording.h"
-#include "tools/score/series.h"
-#include "tools/score/truth.h"
 
 namespace touchline::score {
 
-struct CameraScore {
-  std::string camera;
-  std::size_t frames = 0;  // that the truth has
-  std::size_t solved = 0;  // of these, with an estimate that is not lost
-  // Of rms_px over the solved frames that see turf: median, 95th percentile, largest.
-  double median_px = 0;
-  double p95_px = 0;
-  double worst_px = 0;
-};
-
 // Over a 1 m grid of turf points of the pitch and 4 m round it that the true camera sees, the root
 // mean square distance between their true and estimated pixels; none when it sees no such point. A
-// point that the estimate cannot project counts as a picture's width.
+// point that the estimate cannot project, or farther off, counts as a picture's width.
 std::optional<double> grid_rms_px(const geometry::CameraEstimate& truth,
                                   const geometry::CameraEstimate& estimate,
                                   const pitch::PitchModel& pitch);
 
-// Rows without a report count as solved.
-CameraScore score_camera(const base::CameraId& camera, const Truth& truth,
-                         const std::vector<recording::CameraRow>& rows,
-                         const pitch::PitchModel& pitch);
+// Markings as true or false positives and false negatives at a distance.
+struct MarkingCount {
+  int right = 0;   // seen by both cameras, every visible true point within the distance
+  int wrong = 0;   // seen by both, some point farther off; or by the estimate alone
+  int missed = 0;  // seen by the true camera alone
+
+  int all() const { return right + wrong + missed; }
+  // TP / (TP + FP + FN); none when no camera sees a marking.
+  std::optional<double> jaccard() const;
+};
+
+inline constexpr std::array<double, 3> kJaccardPx = {5, 10, 20};
+
+// Centre lines of the markings, in pixels of a picture 960 wide (formats.md, JaC@t; Magera et al.
+// 2024): one count for each distance of kJaccardPx. Points of a marking lie 0.25 m apart; the
+// distance is to the whole estimated marking, also beyond the picture.
+std::array<MarkingCount, 3> count_markings(const geometry::CameraEstimate& truth,
+                                           const geometry::CameraEstimate& estimate,
+                                           const pitch::PitchModel& pitch);
+
+// Estimate minus truth; angles of the optical axis (design section 2), wrapped.
+struct CameraError {
+  double pan_deg = 0;
+  double tilt_deg = 0;
+  double focal_rel = 0;   // estimate / truth - 1
+  double position_m = 0;  // distance
+};
+CameraError camera_error(const geometry::CameraEstimate& truth,
+                         const geometry::CameraEstimate& estimate);
+
+// What is left of `values` at rising `times_s` after taking away the mean over the 1 s round each;
+// none of those with fewer than five values in that second. The mean holds its own value: of white
+// noise sqrt(1 - 1/m) is left for m values in the second.
+std::vector<std::optional<double>> without_slow_part(std::span<const double> times_s,
+                                                     std::span<const double> values);
 
 }  // namespace touchline::score

@@ -1,10 +1,15 @@
 #include "tools/score/hull_score.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 
+#include "hub/hull/carve.h"
 #include "tools/score/mesh_query.h"
+#include "tools/score/oracle.h"
+#include "tools/score/score_context.h"
 
 namespace touchline::score {
 
@@ -20,7 +25,44 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t node) {
   return node;
 }
 
-double volume_of(const geometry::Mesh& mesh) {
+const ScoreKind kLeast{"hull", "inside, least person", "%", Better::kHigher, Statistic::kMean, 2};
+const ScoreKind kMean{"hull", "inside, mean of people", "%", Better::kHigher, Statistic::kMean, 2};
+const ScoreKind kAll{"hull", "inside, all vertices", "%", Better::kHigher, Statistic::kMean, 3};
+const ScoreKind kPerson{"hull", "inside by person", "%", Better::kHigher, Statistic::kMean, 2};
+const ScoreKind kVolume{"hull", "volume over true mattes' hull", "", Better::kOne, Statistic::kMean,
+                        3};
+const ScoreKind kPhantoms{"hull", "phantoms a frame", "", Better::kLower, Statistic::kMean, 2};
+
+struct FrameResult {
+  base::Status status;
+  HullScore score;
+  double true_volume_m3 = 0;  // of the hull of the true mattes; 0 where there is none
+};
+
+FrameResult score_frame(const Context& context, std::int64_t frame,
+                        const std::vector<codec::CameraView>& true_views) {
+  FrameResult result;
+  const auto hull = read_ply(numbered(context.options.exports / "hull", frame, ".ply"));
+  const auto mesh = hull ? context.truth.mesh(frame) : hull;
+  if (!mesh) {
+    result.status = base::fail(mesh.error());
+    return result;
+  }
+  result.score = score_hull(*hull, *mesh, context.truth.people(frame), context.cameras(frame),
+                            context.options.voxel_m);
+  hull::HullOptions options;
+  options.dilation_px = context.options.dilation_px;
+  options.voxel_m = std::clamp(context.options.voxel_m, 0.005, 0.2);
+  for (const scene::HullGroup& group :
+       hull::carve(true_views, context.pitch, options).hull.groups) {
+    if (!group.phantom) result.true_volume_m3 += group.volume_m3;
+  }
+  return result;
+}
+
+}  // namespace
+
+double volume_m3(const geometry::Mesh& mesh) {
   if (mesh.vertices.empty()) return 0;
   const Eigen::Vector3d base = mesh.vertices.front().cast<double>();
   double six = 0;
@@ -32,8 +74,6 @@ double volume_of(const geometry::Mesh& mesh) {
   }
   return six / 6;
 }
-
-}  // namespace
 
 double HullScore::least_share() const {
   double least = 1;
@@ -86,9 +126,9 @@ HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
                      std::span<const geometry::CameraEstimate> cameras, double reach_m) {
   HullScore score;
   std::vector<geometry::Mesh> parts = split_components(hull);  // without inner walls of hollows
-  std::erase_if(parts, [](const geometry::Mesh& part) { return volume_of(part) <= 0; });
+  std::erase_if(parts, [](const geometry::Mesh& part) { return volume_m3(part) <= 0; });
   score.components = parts.size();
-  score.volume_m3 = volume_of(hull);
+  score.volume_m3 = volume_m3(hull);
   std::vector<MeshQuery> queries(parts.size());
   std::vector<Eigen::AlignedBox3d> boxes(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -124,6 +164,7 @@ HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
     ++seen[static_cast<std::size_t>(owner[i])];
     inside[static_cast<std::size_t>(owner[i])] += held;
   }
+  score.vertices = all_seen;
   score.all_share =
       all_seen > 0 ? static_cast<double>(all_inside) / static_cast<double>(all_seen) : 0;
   score.phantoms = static_cast<std::size_t>(std::count(touched.begin(), touched.end(), false));
@@ -133,6 +174,69 @@ HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
         {people[p].id, static_cast<double>(inside[p]) / static_cast<double>(seen[p]), seen[p]});
   }
   return score;
+}
+
+base::Status score_hulls(const Context& context, SeriesBook& book, Remarks& remarks) {
+  const auto folder = context.options.exports / "hull";
+  if (!is_there(folder)) {
+    remarks.not_scored.push_back(fmt::format("hull: no {}", folder.string()));
+    return {};
+  }
+  std::vector<std::int64_t> frames = context.truth.mesh_frames();
+  if (frames.empty()) {
+    remarks.not_scored.push_back("hull: the truth has no mesh");
+    return {};
+  }
+  const std::size_t all = frames.size();
+  std::erase_if(frames, [&](std::int64_t f) { return !is_there(numbered(folder, f, ".ply")); });
+  if (frames.size() < all) {
+    remarks.not_scored.push_back(
+        fmt::format("hull: {} of {} frames with a true mesh were not "
+                    "exported",
+                    all - frames.size(), all));
+  }
+  if (!context.truth.has_people()) {
+    remarks.not_scored.push_back("hull by person: the truth has no people.csv");
+  }
+  frames = spread(frames, context.options.most_hulls);
+  OracleOptions oracle_options;
+  oracle_options.tiles = false;
+  auto oracle = Oracle::open(context.recording, context.truth, oracle_options);
+  if (!oracle) return base::fail(oracle.error());
+  std::vector<std::vector<codec::CameraView>> true_views(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    oracle->skip_to(frames[i]);
+    auto views = oracle->next();
+    if (!views) return base::fail(views.error());
+    if (*views) true_views[i] = std::move(**views);
+  }
+  std::vector<FrameResult> results(frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    results[i] = score_frame(context, frames[i], true_views[i]);
+    true_views[i].clear();
+  });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!results[i].status) return base::fail(results[i].status.error());
+    const HullScore& s = results[i].score;
+    const std::int64_t frame = frames[i];
+    if (!s.people.empty()) {
+      book.add(kLeast, "all", {frame, 100 * s.least_share()});
+      book.add(kMean, "all", {frame, 100 * s.mean_share()});
+    }
+    if (s.vertices > 0) {
+      book.add(kAll, "all", {frame, 100 * s.all_share, static_cast<double>(s.vertices)});
+    }
+    if (results[i].true_volume_m3 > 0) {
+      book.add(kVolume, "all",
+               {frame, s.volume_m3 / results[i].true_volume_m3, results[i].true_volume_m3});
+    }
+    book.add(kPhantoms, "all", {frame, static_cast<double>(s.phantoms)});
+    for (const PersonInside& person : s.people) {
+      book.add_person(kPerson, person.person,
+                      {frame, 100 * person.share, static_cast<double>(person.vertices)});
+    }
+  }
+  return {};
 }
 
 }  // namespace touchline::score

@@ -21,7 +21,8 @@ struct PersonInside {
 struct HullScore {
   std::int64_t frame = 0;
   std::vector<PersonInside> people;  // those with at least 100 such vertices; the ball with any
-  double all_share = 0;              // over all vertices
+  double all_share = 0;              // over all vertices that two cameras or more see
+  std::size_t vertices = 0;          // their number
   std::size_t components = 0;        // connected, hollows inside them apart
   std::size_t phantoms = 0;          // components with no true vertex inside or within reach
   double volume_m3 = 0;
@@ -35,6 +36,8 @@ struct HullScore {
 HullScore score_hull(const geometry::Mesh& hull, const geometry::Mesh& truth,
                      const std::vector<TruePerson>& people,
                      std::span<const geometry::CameraEstimate> cameras, double reach_m);
+
+double volume_m3(const geometry::Mesh& mesh);  // of a closed mesh
 
 // The connected parts of a mesh, in order of their first triangle.
 std::vector<geometry::Mesh> split_components(const geometry::Mesh& mesh);

@@ -89,7 +89,10 @@ double MeshQuery::distance(const Eigen::Vector3d& point, double reach) const {
       const auto column = columns_.find({x, y});
       if (column == columns_.end()) continue;
       for (const std::uint32_t number : column->second) {
-        least = std::min(least, (closest_on_triangle(triangles_[number], point) - point).norm());
+        const Triangle& t = triangles_[number];
+        const auto [low, high] = std::minmax({t[0].z(), t[1].z(), t[2].z()});
+        if (low > point.z() + least || high < point.z() - least) continue;
+        least = std::min(least, (closest_on_triangle(t, point) - point).norm());
       }
     }
   }

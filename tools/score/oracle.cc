@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "shared/image/colour.h"
+#include "tools/score/frame_clocks.h"
 
 namespace touchline::score {
 
@@ -102,11 +103,14 @@ struct Oracle::Impl {
   struct Source {
     recording::CameraEntry entry;
     std::optional<recording::VideoReader> video;
+    std::int64_t read = 0;  // frames of the video so far; the last one is `frame`
+    std::optional<image::Frame> frame;
   };
   recording::Recording recording;
   Truth truth;
   OracleOptions options;
   pitch::PitchModel pitch;
+  FrameClocks clocks;
   std::vector<Source> sources;
   std::int64_t frame = 0;
 };
@@ -125,6 +129,9 @@ base::Result<Oracle> Oracle::open(const recording::Recording& recording, const T
   impl->truth = truth;
   impl->options = options;
   impl->pitch = std::move(*pitch);
+  auto clocks = FrameClocks::open(recording);
+  if (!clocks) return base::fail(clocks.error());
+  impl->clocks = std::move(*clocks);
   std::vector<base::CameraId> wanted = options.cameras;
   if (wanted.empty()) {
     for (const recording::CameraEntry& entry : recording.cameras) wanted.push_back(entry.id);
@@ -136,9 +143,10 @@ base::Result<Oracle> Oracle::open(const recording::Recording& recording, const T
       return base::fail(base::ErrorKind::kArgument, recording.root.string(),
                         fmt::format("has no camera '{}'", id.value));
     }
-    Impl::Source source{*entry, std::nullopt};
+    Impl::Source source;
+    source.entry = *entry;
     if (options.tiles) {
-      auto video = recording::VideoReader::open(*entry, recording, 0);
+      auto video = recording::VideoReader::open(*entry, recording, 0, {.thread_count = 2});
       if (!video) return base::fail(video.error());
       source.video.emplace(std::move(*video));
     }
@@ -159,23 +167,32 @@ base::Result<std::optional<std::vector<codec::CameraView>>> Oracle::next() {
     view.id = {source.entry.id, 0, static_cast<std::uint64_t>(index)};
     view.stamp.media_time = base::frame_time(impl_->recording.start, impl_->recording.rate, index);
     view.stamp.domain = base::ClockDomain::kRecording;
-    std::optional<image::Frame> frame;
-    if (source.video) {
+    const auto video_frame = impl_->clocks.video_frame(source.entry.id, index);
+    while (source.video && video_frame && source.read <= *video_frame) {
       auto read = source.video->next();
       if (!read) return base::fail(read.error());
-      if (!*read) return std::nullopt;
-      frame = std::move(**read);
-      view.stamp = frame->stamp;
+      source.frame = std::move(*read);
+      if (!source.frame) break;  // the video has ended
+      ++source.read;
     }
     view.estimate.model.width = source.entry.width;
     view.estimate.model.height = source.entry.height;
-    if (const auto camera = impl_->truth.camera(source.entry.id, index)) {
+    const bool has_frame =
+        video_frame && (!source.video || (source.frame && source.read == *video_frame + 1));
+    const auto camera =
+        has_frame ? impl_->truth.camera(source.entry.id, *video_frame) : std::nullopt;
+    if (camera) {
       any = true;
       view.estimate = *camera;
-      auto alpha = impl_->truth.matte(source.entry.id, index);
+      if (source.video) view.stamp = source.frame->stamp;
+      auto alpha = impl_->truth.matte(source.entry.id, *video_frame);
       if (alpha) {
         view.matte = oracle_matte(*alpha, *camera, impl_->pitch, impl_->options.occluder_margin_px);
-        if (frame) view.tiles = cut_tiles(*frame, *view.matte, impl_->options.tile_margin_px);
+        if (source.video) {
+          const auto& treat = impl_->options.treat;
+          view.tiles = cut_tiles(treat ? treat(source.entry.id, *source.frame) : *source.frame,
+                                 *view.matte, impl_->options.tile_margin_px);
+        }
       } else if (alpha.error().kind != base::ErrorKind::kNotFound) {
         return base::fail(alpha.error());
       }
@@ -187,20 +204,6 @@ base::Result<std::optional<std::vector<codec::CameraView>>> Oracle::next() {
   return views;
 }
 
-base::Status Oracle::skip_to(std::int64_t frame) {
-  while (impl_->frame < frame) {
-    for (Impl::Source& source : impl_->sources) {
-      if (!source.video) continue;
-      const auto read = source.video->next();
-      if (!read) return base::fail(read.error());
-      if (!*read) {
-        return base::fail(base::ErrorKind::kNotFound, source.entry.video.string(),
-                          fmt::format("ends before frame {}", frame));
-      }
-    }
-    ++impl_->frame;
-  }
-  return {};
-}
+void Oracle::skip_to(std::int64_t frame) { impl_->frame = std::max(impl_->frame, frame); }
 
 }  // namespace touchline::score

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,6 +23,8 @@ struct OracleOptions {
   bool tiles = true;                    // false: no video is decoded, the stamp is the recording's
   double occluder_margin_px = 2.5;      // round goal frames, which cut the true matte, pixels
   std::vector<base::CameraId> cameras;  // in this order; empty = all of the recording
+  // What is done to a frame of the video before tiles are cut; empty = nothing.
+  std::function<image::Frame(const base::CameraId&, const image::Frame&)> treat;
 };
 
 // One camera's matte in the frame's size, goal frames and nets marked as occluders and unknown.
@@ -32,7 +35,8 @@ image::Matte oracle_matte(const image::Image<std::uint8_t>& alpha,
 std::vector<codec::TextureTile> cut_tiles(const image::Frame& frame, const image::Matte& matte,
                                           int margin_px);
 
-// Steps through the recording frame by frame.
+// Steps through the instants of the recording; each camera gives the frame of its video that
+// belongs to the instant (FrameClocks).
 class Oracle {
  public:
   static base::Result<Oracle> open(const recording::Recording& recording, const Truth& truth,
@@ -43,11 +47,11 @@ class Oracle {
 
   const pitch::PitchModel& pitch() const;
   std::int64_t next_frame() const;
-  // The views of the next frame, cameras in order; nothing when a video, or the truth, ends. A
-  // camera without a true row or matte at the frame is lost or without matte.
+  // The views of the next instant, cameras in order; nothing when all videos, or the truth, have
+  // ended. A camera without a frame, true row or matte at the instant is lost or without matte.
   base::Result<std::optional<std::vector<codec::CameraView>>> next();
-  // Passes over frames until `frame` is the next.
-  base::Status skip_to(std::int64_t frame);
+  // Passes over instants until `frame` is the next; videos are read when next() asks for them.
+  void skip_to(std::int64_t frame);
 
  private:
   struct Impl;

@@ -47,8 +47,14 @@ base::Result<Header> read_header(std::istream& in, const std::string& where) {
         return base::fail(base::ErrorKind::kLimit, where,
                           fmt::format("{} elements, at most {}", count, kMostElements));
       }
-      if (element == "vertex") header.vertices = count;
-      if (element == "face") header.faces = count;
+      if (element == "vertex") {
+        header.vertices = count;
+      } else if (element == "face") {
+        header.faces = count;
+      } else if (count > 0) {
+        return base::fail(base::ErrorKind::kUnsupported, where,
+                          fmt::format("PLY element '{}'", element), "vertices and faces only");
+      }
     } else if (word == "property") {
       std::string type;
       words >> type;
@@ -74,10 +80,8 @@ base::Result<Header> read_header(std::istream& in, const std::string& where) {
 
 }  // namespace
 
-base::Result<geometry::Mesh> read_ply(const std::filesystem::path& path) {
-  const std::string where = path.string();
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return base::fail(base::ErrorKind::kNotFound, where, "cannot be opened");
+base::Result<geometry::Mesh> parse_ply(std::string_view bytes, const std::string& where) {
+  std::istringstream in{std::string(bytes)};
   const auto header = read_header(in, where);
   if (!header) return base::fail(header.error());
   if (header->vertices > 0 && header->vertex_floats < 3) {
@@ -106,7 +110,7 @@ base::Result<geometry::Mesh> read_ply(const std::filesystem::path& path) {
     if (!in) break;
     if (corners != 3) {
       return base::fail(base::ErrorKind::kUnsupported, where,
-                        fmt::format("face {} has {} corners", i, corners));
+                        fmt::format("face {} has {} corners", i, corners), "triangles only");
     }
     for (const std::uint32_t corner : triangle) {
       if (corner >= mesh.vertices.size()) {
@@ -118,9 +122,26 @@ base::Result<geometry::Mesh> read_ply(const std::filesystem::path& path) {
     mesh.triangles.push_back(triangle);
   }
   if (mesh.vertices.size() != header->vertices || mesh.triangles.size() != header->faces) {
-    return base::fail(base::ErrorKind::kTruncated, where, "ends before its last element");
+    return base::fail(base::ErrorKind::kTruncated, where, "ends before its last element",
+                      "write it again");
+  }
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    if (!(vertex.cwiseAbs().maxCoeff() < 1e6F)) {
+      return base::fail(base::ErrorKind::kFormat, where, "has a vertex beyond 1e6 m, or none");
+    }
   }
   return mesh;
+}
+
+base::Result<geometry::Mesh> read_ply(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    return base::fail(base::ErrorKind::kNotFound, path.string(), "cannot be opened",
+                      "check the folder");
+  }
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return parse_ply(bytes.str(), path.string());
 }
 
 }  // namespace touchline::score

@@ -32,7 +32,7 @@ struct ScoreReport {
   std::vector<std::string> not_scored;  // what, and why
   std::vector<std::string> notes;       // how to read the figures of this report
 
-  // None when there is no such series.
+  // None when there is no such series; "all" of a kind with one subject is that subject's.
   const Series* find(const std::string& group, const std::string& score,
                      const std::string& subject) const;
 };

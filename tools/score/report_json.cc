@@ -37,7 +37,7 @@ std::string json_text(const ScoreReport& report) {
                 {"summary", summary_json(s.summary)},
                 {"oracle", s.oracle ? summary_json(*s.oracle) : Json(nullptr)}};
     Json samples = Json::array();
-    if (s.subject != "all") {
+    if (!s.pooled) {
       for (const Sample& sample : s.samples) {
         samples.push_back({sample.frame, number(sample.value), number(sample.weight)});
       }

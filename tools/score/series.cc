@@ -143,7 +143,7 @@ Summary summarise(const std::vector<Sample>& samples, Statistic statistic) {
 void SeriesBook::add(const ScoreKind& kind, const std::string& subject, const Sample& sample) {
   auto& subjects = index_[{kind.group, kind.score}];
   const auto [at, fresh] = subjects.try_emplace(subject, series_.size());
-  if (fresh) series_.push_back({kind, subject, false, {}, {}, std::nullopt});
+  if (fresh) series_.push_back({kind, subject, false, false, {}, {}, std::nullopt});
   series_[at->second].samples.push_back(sample);
 }
 
@@ -167,7 +167,7 @@ std::vector<Series> SeriesBook::finish() const {
   for (std::size_t i = 0; i < series_.size(); ++i) {
     if (done[i]) continue;
     std::vector<Series> of_kind;
-    Series all{series_[i].kind, "all", series_[i].of_person, {}, {}, std::nullopt};
+    Series all{series_[i].kind, "all", series_[i].of_person, true, {}, {}, std::nullopt};
     for (std::size_t k = i; k < series_.size(); ++k) {
       if (series_[k].kind.group != all.kind.group || series_[k].kind.score != all.kind.score) {
         continue;

@@ -52,6 +52,7 @@ struct Series {
   ScoreKind kind;
   std::string subject;  // a camera, person or view, or "all": every sample of every subject
   bool of_person = false;
+  bool pooled = false;  // an "all" made of the other series of this kind
   std::vector<Sample> samples;
   Summary summary;
   // Views only: the same score of our renderer with true cameras and true mattes.

@@ -67,6 +67,27 @@ base::Status read_points(const fs::path& path, const std::vector<std::string>& t
   return {};
 }
 
+base::Result<cv::Mat> read_png(const fs::path& path, int flags) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return base::fail(base::ErrorKind::kNotFound, path.string(), "is not there",
+                      "check the folder");
+  }
+  cv::Mat picture;
+  try {
+    picture = cv::imread(path.string(), flags);
+  } catch (const cv::Exception&) {
+    picture.release();  // sizes beyond any bound
+  }
+  if (picture.empty()) {
+    return base::fail(base::ErrorKind::kFormat, path.string(), "is no PNG, or cut short",
+                      "write it again");
+  }
+  return picture;
+}
+
+}  // namespace
+
 std::vector<std::int64_t> numbered_files(const fs::path& folder, const std::string& extension) {
   std::vector<std::int64_t> frames;
   std::error_code error;
@@ -81,20 +102,6 @@ std::vector<std::int64_t> numbered_files(const fs::path& folder, const std::stri
   return frames;
 }
 
-base::Result<cv::Mat> read_png(const fs::path& path, int flags) {
-  std::error_code error;
-  if (!fs::exists(path, error)) {
-    return base::fail(base::ErrorKind::kNotFound, path.string(), "is not there");
-  }
-  cv::Mat picture = cv::imread(path.string(), flags);
-  if (picture.empty()) {
-    return base::fail(base::ErrorKind::kFormat, path.string(), "is no picture");
-  }
-  return picture;
-}
-
-}  // namespace
-
 base::Result<image::Image<std::uint8_t>> read_grey_png(const fs::path& path) {
   const auto picture = read_png(path, cv::IMREAD_GRAYSCALE);
   if (!picture) return base::fail(picture.error());
@@ -102,6 +109,21 @@ base::Result<image::Image<std::uint8_t>> read_grey_png(const fs::path& path) {
   for (int y = 0; y < out.height(); ++y) {
     const std::uint8_t* row = picture->ptr<std::uint8_t>(y);
     std::copy(row, row + out.width(), out.row(y));
+  }
+  return out;
+}
+
+base::Result<image::Image<std::uint8_t>> read_alpha_png(const fs::path& path) {
+  const auto picture = read_png(path, cv::IMREAD_UNCHANGED);
+  if (!picture) return base::fail(picture.error());
+  if (picture->type() != CV_8UC4) {
+    return base::fail(base::ErrorKind::kFormat, path.string(), "has no 8-bit alpha channel",
+                      "render it with --foreground");
+  }
+  image::Image<std::uint8_t> out(picture->cols, picture->rows);
+  for (int y = 0; y < out.height(); ++y) {
+    const cv::Vec4b* row = picture->ptr<cv::Vec4b>(y);
+    for (int x = 0; x < out.width(); ++x) out(x, y) = row[x][3];
   }
   return out;
 }
@@ -176,10 +198,24 @@ std::size_t Truth::camera_rows(const base::CameraId& camera) const {
   return rows == cameras_.end() ? 0 : rows->second.size();
 }
 
+std::vector<std::int64_t> Truth::camera_frames(const base::CameraId& camera) const {
+  std::vector<std::int64_t> frames;
+  const auto rows = cameras_.find(camera);
+  if (rows == cameras_.end()) return frames;
+  for (const auto& [frame, row] : rows->second) frames.push_back(frame);
+  return frames;
+}
+
 const std::vector<TruePerson>& Truth::people(std::int64_t frame) const {
   static const std::vector<TruePerson> kNobody;
   const auto at = people_.find(frame);
   return at == people_.end() ? kNobody : at->second;
+}
+
+std::vector<std::int64_t> Truth::people_frames() const {
+  std::vector<std::int64_t> frames;
+  for (const auto& [frame, people] : people_) frames.push_back(frame);
+  return frames;
 }
 
 const std::vector<TrueJoint>& Truth::joints(std::int64_t frame) const {
@@ -204,6 +240,10 @@ base::Result<geometry::Mesh> Truth::mesh(std::int64_t frame) const {
 
 std::vector<std::int64_t> Truth::mesh_frames() const {
   return numbered_files(root_ / "mesh", ".ply");
+}
+
+std::vector<std::int64_t> Truth::matte_frames(const base::CameraId& camera) const {
+  return numbered_files(root_ / camera.value / "matte", ".png");
 }
 
 std::vector<std::int64_t> Truth::clean_frames(const base::CameraId& camera) const {

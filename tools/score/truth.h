@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shared/base/ids.h"
@@ -52,11 +53,15 @@ class Truth {
   std::optional<geometry::CameraEstimate> camera(const base::CameraId& camera,
                                                  std::int64_t frame) const;
   std::size_t camera_rows(const base::CameraId& camera) const;
+  std::vector<std::int64_t> camera_frames(const base::CameraId& camera) const;  // rising
   // Cameras that exist in the truth only, by name.
   const std::vector<base::CameraId>& virtual_cameras() const { return virtual_cameras_; }
 
   const std::vector<TruePerson>& people(std::int64_t frame) const;
   const std::vector<TrueJoint>& joints(std::int64_t frame) const;
+  bool has_people() const { return !people_.empty(); }
+  bool has_joints() const { return !joints_.empty(); }
+  std::vector<std::int64_t> people_frames() const;  // rising
 
   // Coverage by people and ball; kNotFound where this frame has none.
   base::Result<image::Image<std::uint8_t>> matte(const base::CameraId& camera,
@@ -69,6 +74,7 @@ class Truth {
   // Frames that have a mesh, or a clean picture of a virtual camera, rising.
   std::vector<std::int64_t> mesh_frames() const;
   std::vector<std::int64_t> clean_frames(const base::CameraId& camera) const;
+  std::vector<std::int64_t> matte_frames(const base::CameraId& camera) const;
 
  private:
   std::filesystem::path root_;
@@ -80,10 +86,17 @@ class Truth {
 
 // 8-bit grey PNG; kNotFound where there is no such file.
 base::Result<image::Image<std::uint8_t>> read_grey_png(const std::filesystem::path& path);
+// The alpha channel of an RGBA PNG; kFormat where it has none.
+base::Result<image::Image<std::uint8_t>> read_alpha_png(const std::filesystem::path& path);
 // RGB PNG (an alpha channel is dropped).
 base::Result<image::Image<image::Rgb8>> read_rgb_png(const std::filesystem::path& path);
+// Numbers of the files %06d<extension> of a folder, rising; none where there is no folder.
+std::vector<std::int64_t> numbered_files(const std::filesystem::path& folder,
+                                         const std::string& extension);
 // Little-endian binary or ASCII PLY with float x, y, z first in each vertex and triangles.
 base::Result<geometry::Mesh> read_ply(const std::filesystem::path& path);
+// The same from bytes; `where` names them in errors.
+base::Result<geometry::Mesh> parse_ply(std::string_view bytes, const std::string& where);
 
 // Which true person each vertex belongs to: the nearest by plan distance, -1 beyond `reach_m` of
 // all. A ball's are those at its radius (0.11 m) from its centre.

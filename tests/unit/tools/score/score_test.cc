@@ -6,7 +6,7 @@
 #include "tools/score/camera_score.h"
 #include "tools/score/hull_score.h"
 #include "tools/score/matte_score.h"
-#include "tools/score/people_score.h"
+#include "tools/score/series.h"
 #include "tools/score/view_score.h"
 
 namespace touchline::score {
@@ -110,16 +110,19 @@ TEST(ViewScore, FindsAShift) {
   for (int y = 0; y < 60; ++y) {
     for (int x = 2; x < 80; ++x) shifted(x, y) = clean(x - 2, y);
   }
-  EXPECT_EQ(score_view(clean, clean, std::nullopt).psnr_db, 99);
-  EXPECT_NEAR(score_view(clean, clean, std::nullopt).full_ssim, 1, 1e-6);
-  image::Image<std::uint8_t> matte(80, 60);
+  const Mask everywhere(80, 60, 255);
+  EXPECT_EQ(psnr_db(clean, clean, everywhere), 99);
+  EXPECT_NEAR(ssim(clean, clean, everywhere).full, 1, 1e-6);
+  Mask matte(80, 60);
   for (int y = 25; y < 35; ++y) {
     for (int x = 35; x < 45; ++x) matte(x, y) = 255;
   }
-  const ViewScore score = score_view(clean, shifted, matte);
-  EXPECT_EQ(score.shift_px, Eigen::Vector2i(2, 0));
-  EXPECT_EQ(score.shifted_psnr_db, 99);
-  EXPECT_LT(score.psnr_db, 20);
+  const Mask people = grown_foreground(matte);
+  const Alignment aligned = align(clean, shifted, people);
+  ASSERT_EQ(aligned.pieces.size(), 1U);
+  EXPECT_EQ(aligned.pieces[0].shift_px, Eigen::Vector2d(2, 0));
+  EXPECT_EQ(aligned.psnr_db, 99);
+  EXPECT_LT(psnr_db(clean, shifted, people), 20);
 }
 
 }  // namespace
