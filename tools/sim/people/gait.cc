@@ -173,9 +173,9 @@ base::Result<ClipLibrary> ClipLibrary::load(const std::filesystem::path& assets,
       if (!other) return base::fail(other.error());
       out.odd = std::move(*other);
       const auto yaw = [&](double step) {
-        return yaw_of((step < 1 ? out.even : out.odd)
-                          .at((step - std::floor(step)) * out.even.seconds())
-                          .node[0]);
+        const double u = step - std::floor(step);
+        return step < 1 ? yaw_of(out.even.at(u * out.even.seconds()).node[0])
+                        : -yaw_of(out.odd.at(u * out.odd.seconds()).node[0]);
       };
       double sum = 0;
       for (int i = 0; i < 40; ++i) sum += yaw(i / 20.0);
@@ -243,7 +243,7 @@ Pose ClipLibrary::Cycle::at(double step) const {
   if (!is_odd) {
     pose = even.at(u * even.seconds());
   } else if (odd.frames() > 0) {
-    pose = odd.at(u * odd.seconds());
+    pose = mirrored(odd.at(u * odd.seconds()));
   } else {
     pose = mirrored(even.at(u * even.seconds()));
   }
