@@ -185,6 +185,7 @@ void add_all() {
     add("line map", "OpenCV LSD", name(size), [=](auto& state) { segments(state, size); });
     add("initialise", kOurs, name(size), [=](auto& state) { initialise(state, size); });
   }
+  if (smoke()) return;  // track has surveyed the head already
   add("survey", kOurs, "1080p head", [](auto& state) { solve_survey(state, kHead); }).once();
   add("survey", kOurs, "1080p fixed", [](auto& state) {
     solve_survey(state, recording::Role::kFixed);

@@ -221,7 +221,7 @@ const image::PlateSnapshot& plate(recording::Role role, Size size) {
   const auto key = std::pair(role, size);
   const auto found = cache.find(key);
   if (found != cache.end()) return found->second;
-  const bool head = role == recording::Role::kMatch;
+  const bool head = role == recording::Role::kMatch && !smoke();
   return cache
       .emplace(key,
                learn(first_camera(role), camera_frames(role, size), head ? &survey(role) : nullptr))
@@ -262,7 +262,8 @@ geometry::CameraEstimate virtual_camera(Size size) {
     give_up({base::ErrorKind::kNotFound, the_recording().name, "its virtual camera has no frame 0",
              ""});
   }
-  return scaled(*camera, (size == Size::k1080 ? 1080.0 : 2160.0) / camera->model.height);
+  const double lines = smoke() ? 135 : size == Size::k1080 ? 1080 : 2160;
+  return scaled(*camera, lines / camera->model.height);
 }
 
 geometry::CameraEstimate scaled(geometry::CameraEstimate camera, double factor) {

@@ -51,7 +51,7 @@ struct Survey {
 const Survey& survey(recording::Role role);
 geometry::Mount mount(recording::Role role, Size size);
 
-// Learnt from camera_frames() by true cameras, and the survey's stills.
+// Learnt from camera_frames() by true cameras, and a head's survey stills (not in a smoke run).
 const image::PlateSnapshot& plate(recording::Role role, Size size);
 
 // Those that instant() and plates() are of: all; two in a smoke run.
@@ -60,7 +60,7 @@ std::span<const recording::CameraEntry> cameras();
 // The first instant as perfect edges would send it, all parts there.
 const std::vector<codec::CameraView>& instant(Size size);
 const std::map<base::CameraId, image::PlateSnapshot>& plates();
-// The recording's first virtual camera at its first frame.
+// The recording's first virtual camera at its first frame; 135 lines in a smoke run.
 geometry::CameraEstimate virtual_camera(Size size);
 
 // The camera with its picture `factor` times as large, and the picture doubled, with noise of

@@ -73,7 +73,8 @@ const render::Renderer& renderer() {
 }
 
 geometry::CameraEstimate viewer() {
-  return support::looking_at({-30, -45, 9}, {0, 0, 0.8}, 2200, 1920, 1080);
+  return scaled(support::looking_at({-30, -45, 9}, {0, 0, 0.8}, 2200, 1920, 1080),
+                smoke() ? 0.125 : 1);
 }
 
 void add_stages(const std::string& point, int cameras, int people) {
