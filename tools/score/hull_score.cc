@@ -55,7 +55,7 @@ FrameResult score_frame(const Context& context, std::int64_t frame,
   options.voxel_m = std::clamp(context.options.voxel_m, 0.005, 0.2);
   for (const scene::HullGroup& group :
        hull::carve(true_views, context.pitch, options).hull.groups) {
-    if (!group.phantom) result.true_volume_m3 += group.volume_m3;
+    if (!group.phantom) result.true_volume_m3 += volume_m3(group.surface);
   }
   return result;
 }
