@@ -80,8 +80,8 @@ struct ActionSpec {
 };
 // shot, shot_run, pass, pass_run, header, header_jump, header_run, header_dive, bicycle, slide,
 // tackle, throw, dive_high, dive_mid, dive_low, catch, catch_high, trap, chest, trip, fall,
-// celebrate, dismay, card. Dives go to the person's own left. Who runs faster than 2.5 m/s takes
-// shot, pass and header in stride. Who ends on the turf gets up.
+// celebrate, applaud, dismay, card. Dives go to the person's own left. Who runs faster than 2.5 m/s
+// takes shot, pass and header in stride. Who ends on the turf gets up.
 const std::vector<std::string>& action_names();
 
 enum class Facing : std::uint8_t {

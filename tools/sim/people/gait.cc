@@ -99,7 +99,8 @@ const std::vector<ClipLibrary::Action>& ClipLibrary::actions() {
       {"chest", "trap/idle/highballs/000_chest", false, false, 0},
       {"trip", "trip/trip_t2/idle/000_000", false, true, 0},
       {"fall", "trip/trip_t3/sprint/000", false, true, 'f'},
-      {"celebrate", "celebration/happy_normal/000", false, false, 0},
+      {"celebrate", "celebration/happy_extreme/000_decel_decel", false, true, 0},
+      {"applaud", "celebration/happy_normal/000", false, false, 0},
       {"dismay", "celebration/sad_normal/000", false, false, 0},
       {"card", "special/000_showcard", false, false, 0},
   };
@@ -183,13 +184,6 @@ base::Result<ClipLibrary> ClipLibrary::load(const std::filesystem::path& assets,
     }
     return out;
   };
-  for (const auto& [even, odd] : {std::pair<std::string, std::string>{"templates/dribbleD000", ""},
-                                  {"templates/dribbleD045", "templates/dribbleD045_left"},
-                                  {"templates/dribbleD135", "templates/dribbleD135_left"}}) {
-    auto made = cycle(even, odd);
-    if (!made) return base::fail(made.error());
-    library.jog_.push_back(std::move(*made));
-  }
   for (const auto& [even, odd] : {std::pair<std::string, std::string>{"templates/walkD000", ""},
                                   {"templates/walkD045", "templates/walkD045_left"}}) {
     auto made = cycle(even, odd);
@@ -239,14 +233,14 @@ Pose ClipLibrary::Cycle::at(double step) const {
   const double whole = std::floor(step);
   const double u = step - whole;
   const bool is_odd = std::fmod(std::abs(whole), 2.0) > 0.5;
-  Pose pose;
-  if (!is_odd) {
-    pose = even.at(u * even.seconds());
-  } else if (odd.frames() > 0) {
-    pose = mirrored(odd.at(u * odd.seconds()));
-  } else {
-    pose = mirrored(even.at(u * even.seconds()));
-  }
+  const bool two = odd.frames() > 0;
+  const auto half = [&](bool second, double at) {
+    if (!second) return even.at(at * even.seconds());
+    return mirrored(two ? odd.at(at * odd.seconds()) : even.at(at * even.seconds()));
+  };
+  Pose pose = half(is_odd, u);
+  // Two halves made on their own do not quite meet.
+  if (two && u < 0.35) pose = blend(half(!is_odd, 1), pose, static_cast<float>(ramp(u, 0, 0.35)));
   // The body's turn away from where it goes is the plan's, not the clip's.
   pose.node[0] = Q(Eigen::AngleAxisf(travel, Vector3f::UnitZ())) * pose.node[0];
   pose.root.setZero();
@@ -260,59 +254,107 @@ Pose ClipLibrary::directed(const std::vector<Cycle>& cycles, double turn, double
   const bool flip = t * sign < 0;
   t = std::abs(t);
   const double shifted = flip ? step + 1 : step;
-  Pose pose;
-  const double second = std::abs(cycles[1].travel);
-  if (t <= second || cycles.size() == 2) {
-    const double w = std::min(1.0, t / second);
-    pose = blend(cycles[0].at(shifted), cycles[1].at(shifted), static_cast<float>(w));
-  } else {
-    const double third = std::abs(cycles[2].travel);
-    if (t <= third) {
-      pose = blend(cycles[1].at(shifted), cycles[2].at(shifted),
-                   static_cast<float>((t - second) / (third - second)));
-    } else {
-      // Straight back: half of either side.
-      const double w = 0.5 * (t - third) / (kPi - third);
-      pose =
-          blend(cycles[2].at(shifted), mirrored(cycles[2].at(shifted + 1)), static_cast<float>(w));
-    }
-  }
+  // Straight back is as far from one side as from the other.
+  const double w = std::min(1.0, t / std::abs(cycles[1].travel)) * (1 - ramp(t, 1.8, 3.0));
+  const Pose pose = blend(cycles[0].at(shifted), cycles[1].at(shifted), static_cast<float>(w));
   return flip ? mirrored(pose) : pose;
 }
 
-double ClipLibrary::step_length(double speed) {
+double ClipLibrary::step_length(double speed, double turn) {
+  const double across = std::abs(std::sin(turn));
+  const double shorter = 1 - 0.45 * across - 0.25 * ramp(-std::cos(turn), 0, 1);
   constexpr std::array<std::array<double, 2>, 6> kRows{
-      {{0.0, 0.0}, {1.4, 0.64}, {2.8, 0.86}, {4.8, 1.26}, {7.0, 1.68}, {12.0, 2.1}}};
+      {{0.0, 0.0}, {1.4, 0.64}, {2.8, 1.16}, {4.8, 1.26}, {7.0, 1.68}, {12.0, 2.1}}};
   for (std::size_t i = 1; i < kRows.size(); ++i) {
     if (speed <= kRows[i][0] || i + 1 == kRows.size()) {
       const double u = (speed - kRows[i - 1][0]) / (kRows[i][0] - kRows[i - 1][0]);
-      return std::max(0.05, kRows[i - 1][1] + u * (kRows[i][1] - kRows[i - 1][1]));
+      return std::max(0.05, shorter * (kRows[i - 1][1] + u * (kRows[i][1] - kRows[i - 1][1])));
     }
   }
   return 1;
 }
 
-Pose ClipLibrary::gait(double speed, double turn, double step, float ready) const {
+namespace {
+
+// Legs that walk by reaching for the places where the feet stand: a foot on the turf moves back as
+// fast as the body goes on, in whatever direction, so it does not slide. Both leg bones of the
+// average body are taken as 0.44 m.
+void place_feet(Pose& pose, double speed, double turn, double step, float ready, double spin) {
+  constexpr float kBone = 0.44F;
+  const auto at = [&](Node n) -> Q& { return pose.node[static_cast<std::size_t>(n)]; };
+  const double stride = 2 * ClipLibrary::step_length(speed, turn) * std::min(1.0, speed / 0.05);
+  const double ahead = std::cos(turn);
+  const double across = std::abs(std::sin(turn));
+  const double duty = 0.62 - 0.06 * std::min(2.5, speed) - 0.05 * across;
+  const float lively = static_cast<float>(std::min(1.0, speed / 0.8 + std::abs(spin) / 3));
+  const float height = lively * static_cast<float>(0.05 + 0.035 * std::min(3.0, speed));
+  const float knees = 0.866F - 0.055F * ready - 0.022F * static_cast<float>(std::min(2.5, speed)) -
+                      0.02F * static_cast<float>(across) * lively;
+  for (int side = 0; side < 2; ++side) {
+    const float out = side == 0 ? 1.0F : -1.0F;
+    // Mid-stance of the left foot at even steps.
+    double cycle = 0.5 * step + 0.5 * duty + 0.5 * side;
+    cycle -= std::floor(cycle);
+    double reach = 0;
+    float lift = 0;
+    float heel = 0;
+    if (cycle < duty) {
+      reach = stride * (0.5 * duty - cycle);
+      heel = static_cast<float>(ramp(cycle / duty, 0.7, 1.0));
+    } else {
+      // Swing: leaves and lands at the speed of the turf.
+      const double u = (cycle - duty) / (1 - duty);
+      const double from = -0.5 * duty * stride;
+      const double slope = -stride * (1 - duty);
+      const double u2 = u * u;
+      const double u3 = u2 * u;
+      reach = (2 * u3 - 3 * u2 + 1) * from + (u3 - 2 * u2 + u) * slope - (3 * u2 - 2 * u3) * from +
+              (u3 - u2) * slope;
+      const double arc = std::sin(kPi * u);
+      lift = height * static_cast<float>(arc * arc);
+      heel = static_cast<float>(1 - ramp(u, 0.0, 0.55));
+    }
+    heel *= 0.5F * lively *
+            static_cast<float>(std::clamp(speed / 1.5, 0.0, 1.0) * std::max(0.15, ahead));
+    const float wide = 0.015F + 0.05F * ready + 0.03F * static_cast<float>(across);
+    Vector3f ankle(out * wide + static_cast<float>(reach * std::sin(turn)),
+                   -static_cast<float>(reach * ahead) + 0.02F, -knees + lift + 0.10F * heel);
+    const Q body = at(Node::kBody);
+    const Vector3f seen = body.conjugate() * ankle;
+    const float length = std::min(seen.norm(), 1.99F * kBone);
+    const float bend = 2 * std::acos(std::clamp(length / (2 * kBone), 0.0F, 1.0F));
+    const float toe_out = out * (0.14F + 0.10F * ready);
+    const Q thigh = Q::FromTwoVectors(Vector3f(0, 0, -1), seen.normalized()) *
+                    about_z(0.6F * toe_out) * about_x(-0.5F * bend);
+    const Q knee = about_x(bend);
+    at(side == 0 ? Node::kLeftThigh : Node::kRightThigh) = thigh;
+    at(side == 0 ? Node::kLeftKnee : Node::kRightKnee) = knee;
+    at(side == 0 ? Node::kLeftAnkle : Node::kRightAnkle) =
+        (body * thigh * knee).conjugate() * about_z(toe_out) * about_x(heel);
+  }
+  pose.lift = 0;
+}
+
+}  // namespace
+
+Pose ClipLibrary::gait(double speed, double turn, double step, float ready, double spin) const {
   const double away = std::abs(std::remainder(turn, 2 * kPi));
-  const auto slow = [&] {
-    // Walking is ahead alone; sideways and backwards go the jog's way.
-    const Pose ahead = walk(step);
-    if (away < 0.2) return ahead;
-    return blend(ahead, directed(jog_, turn, step), static_cast<float>(ramp(away, 0.2, 0.7)));
-  };
+  Pose pose;
   if (speed < 1.4) {
-    const double w = std::clamp(speed / 1.4, 0.0, 1.0);
-    return w <= 0 ? stand(ready) : blend(stand(ready), slow(), static_cast<float>(w));
+    pose = blend(stand(ready), walk(step), static_cast<float>(std::clamp(speed / 1.4, 0.0, 1.0)));
+  } else if (speed < 2.8) {
+    pose = blend(walk(step), directed(run_, turn, step), static_cast<float>((speed - 1.4) / 1.4));
+  } else if (speed < 4.8) {
+    pose = directed(run_, turn, step);
+  } else {
+    pose = blend(directed(run_, turn, step), sprint_.at(step),
+                 static_cast<float>(std::min(1.0, (speed - 4.8) / 2.2)));
   }
-  if (speed < 2.8) {
-    return blend(slow(), directed(jog_, turn, step), static_cast<float>((speed - 1.4) / 1.4));
-  }
-  if (speed < 4.8) {
-    return blend(directed(jog_, turn, step), directed(run_, turn, step),
-                 static_cast<float>((speed - 2.8) / 2.0));
-  }
-  return blend(directed(run_, turn, step), sprint_.at(step),
-               static_cast<float>(std::min(1.0, (speed - 4.8) / 2.2)));
+  const double stepping = std::max(1 - ramp(speed, 1.7, 2.6), ramp(away, 0.25, 0.6));
+  if (stepping <= 0) return pose;
+  Pose placed = pose;
+  place_feet(placed, speed, turn, step, ready, spin);
+  return blend(pose, placed, static_cast<float>(stepping));
 }
 
 }  // namespace touchline::sim::people

@@ -1,5 +1,6 @@
-// How somebody stands, walks and runs: one pose for a speed, a direction and a phase, mixed from
-// cyclic clips that all step together.
+// How somebody stands, walks and runs: one pose for a speed, a direction and a phase. Running ahead
+// is cyclic clips that step together; standing, walking and going sideways or backwards place the
+// feet.
 #pragma once
 
 #include <array>
@@ -33,9 +34,10 @@ class ClipLibrary {
   Pose stand(float ready) const;
   // `speed` m/s of a 1.8 m person, `turn` radians from where the body faces to where it goes,
   // `step` counts steps: even numbers are mid-stance of the left foot.
-  Pose gait(double speed, double turn, double step, float ready) const;
-  // Metres gone in a step at a speed, 1.8 m person.
-  static double step_length(double speed);
+  // `spin` is how fast the body turns on the spot, rad/s.
+  Pose gait(double speed, double turn, double step, float ready, double spin = 0) const;
+  // Metres gone in a step, 1.8 m person; sideways and backwards steps are shorter.
+  static double step_length(double speed, double turn);
 
  private:
   struct Cycle {
@@ -48,8 +50,7 @@ class ClipLibrary {
 
   Pose ready_;
   Pose ease_;
-  std::vector<Cycle> jog_;  // by travel: 0, 45, 135 degrees
-  std::vector<Cycle> run_;  // 0, 45
+  std::vector<Cycle> run_;  // straight on, and half turned away
   Cycle sprint_;
   std::vector<Clip> clips_;  // by actions()
   Clip rise_back_;

@@ -216,7 +216,8 @@ void Motion::run(const PlacePath& path, const BallPlace& ball) {
       const double change = std::remainder(going - turn, 2 * kPi);
       turn += (began ? 0.2 : 1.0) * change;
     }
-    step += dt * now / ClipLibrary::step_length(speed);
+    step += dt * (now / ClipLibrary::step_length(speed, turn) +
+                  0.5 * std::abs(turn_rate) * std::max(0.0, 1 - speed));
     double look_goal = 0;
     if (ball) {
       const Vector2d to_ball = ball(t) - place;
@@ -237,6 +238,7 @@ void Motion::run(const PlacePath& path, const BallPlace& ball) {
     s.turn = static_cast<float>(turn);
     s.look = static_cast<float>(look);
     s.ready = static_cast<float>(ready);
+    s.spin = static_cast<float>(turn_rate);
     place += dt * velocity;
   }
 }
@@ -258,11 +260,12 @@ Motion::Sample Motion::sample(double time_s) const {
   s.turn = (1 - f) * a.turn + f * b.turn;
   s.look = (1 - f) * a.look + f * b.look;
   s.ready = (1 - f) * a.ready + f * b.ready;
+  s.spin = (1 - f) * a.spin + f * b.spin;
   return s;
 }
 
 Pose Motion::held(double time_s, const Sample& s) const {
-  Pose pose = clips_->gait(s.speed, s.turn, s.step, s.ready);
+  Pose pose = clips_->gait(s.speed, s.turn, s.step, s.ready, s.spin);
   const auto at = [&](Node n) -> Q& { return pose.node[static_cast<std::size_t>(n)]; };
   const auto wave = [&](double hz, double shift) {
     return static_cast<float>(std::sin(2 * kPi * (hz * time_s + ease_phase_ + shift)));

@@ -49,6 +49,7 @@ class Motion {
     float turn = 0;     // from facing to going, unwrapped
     float look = 0;     // of the head, from facing
     float ready = 0;
+    float spin = 0;  // rad/s, of the body
   };
   struct Played {
     const ClipLibrary::Action* action = nullptr;

@@ -203,7 +203,7 @@ std::array<BoneMotion, kBones> Rig::motions(const Pose& pose) const {
   }
   std::array<BoneMotion, kBones> out;
   for (std::size_t b = 0; b < kBones; ++b) {
-    out[b].turn = turn[b].toRotationMatrix();
+    out[b].turn = turn[b].normalized().toRotationMatrix();
     const int parent = parent_of(static_cast<Bone>(b));
     if (parent < 0) continue;
     const auto p = static_cast<std::size_t>(parent);
