@@ -38,6 +38,24 @@ base::Result<Json> read_json(const fs::path& path) {
   return json;
 }
 
+// A number of an object; -1 where it is not there.
+double number(const Json& object, const char* key) {
+  if (!object.is_object()) return -1;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : -1;
+}
+
+// So many numbers; none where there is anything else.
+std::optional<std::vector<double>> numbers(const Json& json, std::size_t count) {
+  if (!json.is_array() || json.size() != count) return std::nullopt;
+  std::vector<double> out;
+  for (const Json& item : json) {
+    if (!item.is_number()) return std::nullopt;
+    out.push_back(item.get<double>());
+  }
+  return out;
+}
+
 // The clicked lines' names, and which marking of ours each is.
 const std::map<std::string, pitch::MarkingId>& marking_names() {
   using enum pitch::MarkingId;
@@ -103,7 +121,9 @@ struct Frame {
 std::vector<Frame> frames_of(const Json& json, const std::vector<ClickTarget>& targets,
                              std::size_t& unknown) {
   std::vector<Frame> frames;
+  if (!json.is_object()) return frames;
   for (const auto& [name, lines] : json.items()) {
+    if (!lines.is_object()) continue;
     Frame frame;
     frame.name = name;
     std::size_t turn = 0;  // a line of one point goes to either half in turn
@@ -120,7 +140,7 @@ std::vector<Frame> frames_of(const Json& json, const std::vector<ClickTarget>& t
       const auto index = static_cast<std::size_t>(target - targets.begin());
       std::size_t k = turn++;
       for (const Json& point : points) {
-        const double x = point.value("x", -1.0), y = point.value("y", -1.0);
+        const double x = number(point, "x"), y = number(point, "y");
         if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1)) continue;
         frame.halves[k++ % 2].push_back({index, {x * (kWidth - 1), y * (kHeight - 1)}});
       }
@@ -132,29 +152,28 @@ std::vector<Frame> frames_of(const Json& json, const std::vector<ClickTarget>& t
 
 // The published frame has y towards the camera side and z down: a half turn about x.
 std::optional<CameraEstimate> published_camera(const Json& json) {
-  const Json rotation = json.value("rotation_matrix", Json::array());
-  const Json place = json.value("position_meters", Json::array());
-  const Json middle = json.value("principal_point", Json::array());
-  if (rotation.size() != 3 || place.size() != 3 || middle.size() != 2) return std::nullopt;
+  if (!json.is_object()) return std::nullopt;
+  const auto member = [&](const char* key) {
+    const auto found = json.find(key);
+    return found == json.end() ? Json() : *found;
+  };
+  const auto place = numbers(member("position_meters"), 3);
+  const auto middle = numbers(member("principal_point"), 2);
+  const Json rotation = member("rotation_matrix");
+  const double focal_x = number(json, "x_focal_length"), focal_y = number(json, "y_focal_length");
+  if (!place || !middle || !rotation.is_array() || rotation.size() != 3 ||
+      !(std::min(focal_x, focal_y) > 0))
+    return std::nullopt;
   Eigen::Matrix3d cam_from_theirs;
-  for (std::size_t r = 0; r < 3; ++r) {
-    if (rotation[r].size() != 3) return std::nullopt;
-    for (std::size_t c = 0; c < 3; ++c)
-      cam_from_theirs(static_cast<int>(r), static_cast<int>(c)) = rotation[r][c].get<double>();
+  for (int r = 0; r < 3; ++r) {
+    const auto row = numbers(rotation[static_cast<std::size_t>(r)], 3);
+    if (!row) return std::nullopt;
+    cam_from_theirs.row(r) = Eigen::Map<const Eigen::RowVector3d>(row->data());
   }
   const Eigen::DiagonalMatrix<double, 3> theirs_from_ours(1, -1, -1);
-  const Eigen::Vector3d position =
-      theirs_from_ours *
-      Eigen::Vector3d(place[0].get<double>(), place[1].get<double>(), place[2].get<double>());
+  const Eigen::Vector3d position = theirs_from_ours * Eigen::Vector3d(place->data());
   CameraEstimate camera;
-  camera.model = {kWidth,
-                  kHeight,
-                  json.value("x_focal_length", 0.0),
-                  json.value("y_focal_length", 0.0),
-                  middle[0].get<double>(),
-                  middle[1].get<double>(),
-                  0,
-                  0};
+  camera.model = {kWidth, kHeight, focal_x, focal_y, (*middle)[0], (*middle)[1], 0, 0};
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond(Eigen::Matrix3d(cam_from_theirs * theirs_from_ours)).normalized();
   camera.cam_from_world = {turn, -(turn * position)};
