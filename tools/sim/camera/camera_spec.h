@@ -186,7 +186,7 @@ struct VirtualSpec {
   double eye_m = 1.72;                  // of kReferee and kGoalkeeper above the turf
   double smooth_s = 0.4;                // an eye's way and gaze are means over this time; 0..5
   int clean_every = 2;                  // frames; 0 = never
-  int matte_every = 1;
+  int matte_every = 2;
 
   base::Status validate() const;
 };

@@ -61,6 +61,7 @@ Schedule schedule(const TimingSpec& spec, base::FrameRate rate, std::int64_t fra
     auto& [distance, owner] = nearest[static_cast<std::size_t>(instant)];
     const double mine =
         std::abs(since - static_cast<double>(base::frame_time({}, rate, instant).ns));
+    if (mine > 0.5e9 * std::min(rate.period_s(), made.rate.period_s()) + 1) continue;
     if (owner != nullptr && mine >= distance) continue;
     if (owner != nullptr) owner->instant = -1;
     distance = mine;

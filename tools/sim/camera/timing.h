@@ -19,8 +19,8 @@ struct Shot {
   bool repeats = false;       // a copy of the frame before
   double time_s = 0;          // true mid-exposure (of both fields together), from the first instant
   base::MediaTime media_time;  // what recording and timing.csv say
-  // The recording's frame that media_time is nearest to, where this shot is the nearest of the
-  // camera's; else -1. Truth tables and exports count these.
+  // The recording's frame that media_time is nearest to, by at most half of either period, where
+  // this shot is the nearest of the camera's; else -1. Exports count these.
   std::int64_t instant = -1;
 };
 
