@@ -14,10 +14,11 @@ namespace {
 
 const std::filesystem::path kAssets = "tools/sim/assets";
 
-pitch::PitchModel pitch_model() {
+const pitch::PitchModel& pitch_model() {
   pitch::PitchSizes sizes;
   sizes.crown_m = 0.3;
-  return *pitch::make_pitch(pitch::Sport::kSoccer, sizes);
+  static const pitch::PitchModel kPitch = *pitch::make_pitch(pitch::Sport::kSoccer, sizes);
+  return kPitch;
 }
 
 PersonSpec person(const std::string& id, const Eigen::Vector2d& at) {
