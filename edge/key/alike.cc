@@ -31,8 +31,7 @@ struct Body {
 
 std::vector<Body> find(const image::Image<std::uint8_t>& bodies, const CellMask& cells,
                        const FrameGrid& grid, double reach_m) {
-  auto runs = connect(bodies.width(), bodies.height(), cells, true,
-                      [&](int x, int y) { return bodies.row(y)[x] != 0; });
+  auto runs = connect(bodies, 1, cells, true);
   std::vector<Body> all(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     Body& b = all[static_cast<std::size_t>(root(runs, static_cast<int>(i)))];
@@ -51,6 +50,57 @@ std::vector<Body> find(const image::Image<std::uint8_t>& bodies, const CellMask&
   return all;
 }
 
+// A colour's place in the palette.
+using Place = std::uint16_t;
+static_assert(kLumaSteps * kChromaSteps * kChromaSteps <= 1 << 16);
+static_assert(kLumaSteps == kChromaSteps && kLumaBits == kChromaBits);
+
+// The places of pixels [x0, x1) of a row.
+class PlaceRow {
+ public:
+  explicit PlaceRow(const image::Frame& frame)
+      : frame_(frame),
+        shift_(image::chroma_shift(frame.format)),
+        chroma_(static_cast<std::size_t>(frame.width()) + 2),
+        places_(static_cast<std::size_t>(frame.width()) + 2) {}
+  void run(int y, int x0, int x1) {
+    const std::uint16_t* luma = frame_.planes[0].row(y);
+    const std::uint16_t* cb = frame_.planes[1].row(y >> shift_.y);
+    const std::uint16_t* cr = frame_.planes[2].row(y >> shift_.y);
+    Place* chroma = chroma_.data();
+    Place* out = places_.data();
+    const int c1 = (x1 - 1) >> shift_.x;
+    for (int c = x0 >> shift_.x; c <= c1; ++c)
+      chroma[c] = static_cast<Place>(step(cb[c]) * kLumaSteps + step(cr[c]));
+    const auto of_luma = [luma](int x) {
+      return static_cast<Place>(step(luma[x]) * (kLumaSteps * kLumaSteps));
+    };
+    if (shift_.x == 0) {
+      for (int x = x0; x < x1; ++x) out[x] = static_cast<Place>(of_luma(x) + chroma[x]);
+      return;
+    }
+    int x = x0;
+    if (x % 2 != 0) {
+      out[x] = static_cast<Place>(of_luma(x) + chroma[x >> 1]);
+      ++x;
+    }
+    for (; x + 1 < x1; x += 2) {
+      const Place both = chroma[x >> 1];
+      out[x] = static_cast<Place>(of_luma(x) + both);
+      out[x + 1] = static_cast<Place>(of_luma(x + 1) + both);
+    }
+    if (x < x1) out[x] = static_cast<Place>(of_luma(x) + chroma[x >> 1]);
+  }
+  Place operator[](int x) const { return places_[static_cast<std::size_t>(x)]; }
+
+ private:
+  static int step(int code) { return code >> kLumaBits & (kLumaSteps - 1); }
+
+  const image::Frame& frame_;
+  image::ChromaShift shift_;
+  std::vector<Place> chroma_, places_;
+};
+
 // How many of a person's sure pixels have nearly a colour.
 class Palette {
  public:
@@ -65,8 +115,8 @@ class Palette {
     touched_.clear();
     total_ = 0;
   }
-  void add(int y, int cb, int cr) {
-    const std::size_t n = index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits);
+  void add(Place place) {
+    const std::size_t n = place;
     if (count_[n]++ == 0) used_.push_back(n);
     ++total_;
   }
@@ -86,16 +136,13 @@ class Palette {
     for (const std::size_t m : touched_) worn_[m] = near_[m] >= kWornShare * total_;
   }
   int total() const { return total_; }
-  bool worn(int y, int cb, int cr) const {
-    return worn_[index(y >> kLumaBits, cb >> kChromaBits, cr >> kChromaBits)] != 0;
-  }
+  bool worn(Place place) const { return worn_[place] != 0; }
 
  private:
   static std::size_t index(int y, int cb, int cr) {
-    return (static_cast<std::size_t>(y & (kLumaSteps - 1)) * kChromaSteps +
-            static_cast<std::size_t>(cb & (kChromaSteps - 1))) *
+    return (static_cast<std::size_t>(y) * kChromaSteps + static_cast<std::size_t>(cb)) *
                kChromaSteps +
-           static_cast<std::size_t>(cr & (kChromaSteps - 1));
+           static_cast<std::size_t>(cr);
   }
   std::vector<int> count_, near_;
   std::vector<std::uint8_t> worn_;
@@ -111,12 +158,25 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
                 image::Image<std::uint8_t>& unknown) {
   if (options.alike_reach_m <= 0) return;
   const std::vector<Body> all = find(bodies, difference.active, grid, options.alike_reach_m);
-  const auto shift = image::chroma_shift(frame.format);
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
   const auto strong =
       static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
-  const auto chroma = [&](std::size_t which, int x, int y) {
-    return static_cast<int>(frame.planes[which](x >> shift.x, y >> shift.y));
+  PlaceRow row(frame);
+  // The colours of the sure pixels of each body, or of what else its box holds.
+  std::vector<std::vector<Place>> colours(all.size());
+  std::vector<bool> looked_at(all.size(), false);
+  const auto colours_of = [&](std::size_t which) -> const std::vector<Place>& {
+    if (looked_at[which]) return colours[which];
+    looked_at[which] = true;
+    const Body& body = all[which];
+    for (int y = body.top; y <= body.bottom; ++y) {
+      row.run(y, body.left, body.right + 1);
+      const std::uint8_t* cover = alpha.row(y);
+      const std::uint8_t* distance = difference.distance.row(y);
+      for (int x = body.left; x <= body.right; ++x)
+        if (cover[x] == 255 && distance[x] >= strong) colours[which].push_back(row[x]);
+    }
+    return colours[which];
   };
   Palette palette;
   cv::Mat away;
@@ -125,12 +185,9 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     const double scale = body.reach / options.alike_reach_m;
     if (body.area < kLeastBody * scale * scale) continue;
     palette.clear();
-    for (const Body& other : all) {
-      if (!body.near(other)) continue;
-      for (int y = other.top; y <= other.bottom; ++y)
-        for (int x = other.left; x <= other.right; ++x)
-          if (alpha(x, y) == 255 && difference.distance(x, y) >= strong)
-            palette.add(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y));
+    for (std::size_t other = 0; other < all.size(); ++other) {
+      if (!body.near(all[other])) continue;
+      for (const Place place : colours_of(other)) palette.add(place);
     }
     if (palette.total() < kLeastSure) continue;
     palette.finish();
@@ -140,11 +197,13 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     const int y0 = std::max(0, body.top - body.reach);
     const int y1 = std::min(bodies.height(), body.bottom + body.reach + 1);
     found.clear();
-    for (int y = y0; y < y1; ++y)
+    for (int y = y0; y < y1; ++y) {
+      row.run(y, x0, x1);
+      const std::uint8_t* cover = alpha.row(y);
+      const std::uint8_t* distance = difference.distance.row(y);
       for (int x = x0; x < x1; ++x)
-        if (alpha(x, y) == 0 && difference.distance(x, y) < weak &&
-            palette.worn(frame.planes[0](x, y), chroma(1, x, y), chroma(2, x, y)))
-          found.emplace_back(x, y);
+        if (palette.worn(row[x]) && cover[x] == 0 && distance[x] < weak) found.emplace_back(x, y);
+    }
     if (found.empty()) continue;
     cv::Mat outside(y1 - y0, x1 - x0, CV_8U);
     for (int y = y0; y < y1; ++y)

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
 #include "edge/key/runs.h"
+#include "edge/key/workspace.h"
 
 namespace touchline::key {
 namespace {
@@ -14,8 +16,9 @@ namespace {
 constexpr double kBallRadius = 0.11;       // metres
 constexpr double kLeastShareOfBall = 0.3;  // of a ball's area that a component must have
 constexpr int kShareOfPeak = 4;            // sixteenths of that a pixel must reach
-constexpr int kEnough = static_cast<int>(6 * kDistanceScale);  // or this distance
-constexpr double kEdgeShare = 0.5;    // of a component along edges of the plate
+constexpr std::uint16_t kEnoughSmooth =
+    static_cast<std::uint16_t>(16 * 6 * kDistanceScale);  // or this distance
+constexpr double kEdgeShare = 0.5;                        // of a component along edges of the plate
 constexpr int kThin = 3;              // mean width of one that is no body, pixels
 constexpr double kSmallPerson = 0.2;  // square metres, under which such a component is dropped
 constexpr double kStrongShare = 0.1;  // of a component, beyond the strong distance
@@ -29,13 +32,13 @@ constexpr double kSmallHole = 0.06;   // metres: holes up to this square are clo
 
 // Pixels beyond the weak distance after light smoothing, and not much weaker than the strongest
 // round them: the fringe that compression and the lens leave round a body is no body.
-image::Image<std::uint8_t> candidates(const Difference& difference,
-                                      const image::Image<std::uint8_t>& peak, std::uint8_t weak) {
+void candidates(const Difference& difference, const image::Image<std::uint8_t>& peak,
+                std::uint8_t weak, image::Image<std::uint8_t>& out) {
   const auto& distance = difference.distance;
   const int w = distance.width();
   const int h = distance.height();
-  image::Image<std::uint8_t> out(w, h, 0);
-  if (w < 3 || h < 3) return out;
+  reset(out, w, h, std::uint8_t{0});
+  if (w < 3 || h < 3) return;
   for (int j = 0; j < difference.active.rows; ++j)
     for (const Span& span : spans(difference.active, j, w))
       for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) {
@@ -44,22 +47,27 @@ image::Image<std::uint8_t> candidates(const Difference& difference,
         const std::uint8_t* c = distance.row(std::min(h - 1, y + 1));
         const std::uint8_t* top = peak.row(y);
         std::uint8_t* to = out.row(y);
-        for (int x = std::max(1, span.begin); x < std::min(w - 1, span.end); ++x) {
-          const int smooth = a[x - 1] + 2 * a[x] + a[x + 1] + 2 * b[x - 1] + 4 * b[x] +
-                             2 * b[x + 1] + c[x - 1] + 2 * c[x] + c[x + 1];
-          to[x] = smooth >= 16 * weak && smooth >= std::min(kShareOfPeak * top[x], 16 * kEnough);
+        const auto least = static_cast<std::uint16_t>(16 * weak);
+        const int last = std::min(w - 1, span.end);
+        for (int x = std::max(1, span.begin); x < last; ++x) {
+          const auto outer = static_cast<std::uint16_t>(a[x - 1] + a[x + 1] + c[x - 1] + c[x + 1]);
+          const auto near = static_cast<std::uint16_t>(a[x] + b[x - 1] + b[x + 1] + c[x]);
+          const auto smooth = static_cast<std::uint16_t>(outer + 2 * near + 4 * b[x]);
+          const auto share = static_cast<std::uint16_t>(kShareOfPeak * top[x]);
+          const std::uint16_t wanted = share < kEnoughSmooth ? share : kEnoughSmooth;
+          const std::uint16_t bound = wanted > least ? wanted : least;
+          to[x] = smooth >= bound ? 1 : 0;
         }
         if (span.begin == 0) to[0] = to[1];
         if (span.end == w) to[w - 1] = to[w - 2];
       }
-  return out;
 }
 
 struct Blob {
   int area = 0;
   int strong = 0;
   int on_edge = 0;
-  double sum = 0;  // of distances
+  std::int64_t sum = 0;  // of distances
   int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
   int bottom_x = 0;
   bool keep = false;
@@ -84,8 +92,7 @@ void close_holes(const Difference& difference, const FrameGrid& grid, const KeyO
   const int width = bodies.width();
   const int height = bodies.height();
   const CellMask& active = difference.active;
-  auto gaps =
-      connect(width, height, active, false, [&](int x, int y) { return bodies.row(y)[x] == 0; });
+  auto gaps = connect(bodies, 0, active, false);
   // Background that reaches cells that show the plate, or the border, is no hole.
   const auto open = [&](const Run& run) {
     const int j = run.y / kCell;
@@ -109,14 +116,17 @@ void close_holes(const Difference& difference, const FrameGrid& grid, const KeyO
     b.bottom = run.y;
     b.bottom_x = run.begin;
     b.keep = b.keep || open(run);
+    if (b.keep) continue;
     const std::uint8_t* row = difference.distance.row(run.y);
-    for (int x = run.begin; x < run.end; ++x) b.sum += row[x];
+    std::uint32_t sum = 0;
+    for (int x = run.begin; x < run.end; ++x) sum += row[x];
+    b.sum += sum;
   }
   for (const auto& run : gaps) {
     const Blob& b = holes[static_cast<std::size_t>(run.parent)];
     if (b.keep) continue;
     const double scale = grid.scale_at(b.bottom_x, b.bottom);
-    const double unlike = b.sum / b.area / kDistanceScale / options.weak_sigma;
+    const double unlike = static_cast<double>(b.sum) / b.area / kDistanceScale / options.weak_sigma;
     const double small = std::max(4.0, std::pow(kSmallHole * scale, 2));
     const double largest = std::pow(kLargeHole * std::max(scale, kLeastScale), 2);
     if (b.area <= 4 || (b.area <= small && unlike > 0.6) || (b.area <= largest && unlike > 1.5))
@@ -126,20 +136,18 @@ void close_holes(const Difference& difference, const FrameGrid& grid, const KeyO
 
 }  // namespace
 
-image::Image<std::uint8_t> find_bodies(const Difference& difference,
-                                       const image::Image<std::uint8_t>& peak,
-                                       const FrameGrid& grid,
-                                       const geometry::CameraEstimate& camera,
-                                       const pitch::PitchModel& pitch, const KeyOptions& options) {
+void find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
+                 const FrameGrid& grid, const geometry::CameraEstimate& camera,
+                 const pitch::PitchModel& pitch, const KeyOptions& options,
+                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& bodies) {
   const int width = difference.distance.width();
   const int height = difference.distance.height();
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
   const auto strong =
       static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
 
-  const auto candidate = candidates(difference, peak, weak);
-  auto runs = connect(width, height, difference.active, true,
-                      [&](int x, int y) { return candidate.row(y)[x] != 0; });
+  candidates(difference, peak, weak, scratch);
+  auto runs = connect(scratch, 1, difference.active, true);
   std::vector<Blob> blobs(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const int r = root(runs, static_cast<int>(i));
@@ -178,7 +186,7 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference,
                                    options.margin_m, kJump);
   }
 
-  image::Image<std::uint8_t> bodies(width, height, 0);
+  reset(bodies, width, height, std::uint8_t{0});
   for (const auto& run : runs) {
     const Blob& b = blobs[static_cast<std::size_t>(run.parent)];
     if (b.keep && !b.doubtful)
@@ -198,7 +206,6 @@ image::Image<std::uint8_t> find_bodies(const Difference& difference,
       std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
   }
   close_holes(difference, grid, options, bodies);
-  return bodies;
 }
 
 }  // namespace touchline::key

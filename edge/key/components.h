@@ -15,10 +15,10 @@ namespace touchline::key {
 // strong one, in components large enough to be a ball at that place, whose lowest pixel can be over
 // the pitch; with holes closed that are not like the plate.
 // `peak` is the strongest difference within kPeakReach of a pixel.
-image::Image<std::uint8_t> find_bodies(const Difference& difference,
-                                       const image::Image<std::uint8_t>& peak,
-                                       const FrameGrid& grid,
-                                       const geometry::CameraEstimate& camera,
-                                       const pitch::PitchModel& pitch, const KeyOptions& options);
+// `scratch` holds what may become a body.
+void find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
+                 const FrameGrid& grid, const geometry::CameraEstimate& camera,
+                 const pitch::PitchModel& pitch, const KeyOptions& options,
+                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& bodies);
 
 }  // namespace touchline::key

@@ -3,8 +3,9 @@
 #include <immintrin.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 namespace touchline::key {
@@ -26,17 +27,6 @@ constexpr int kCoarseCount = 2;         // samples of a cell beyond it
 constexpr float kCoarseRangeShare = 0.25f;  // as kRangeShare, of two by two samples
 constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour is all there is
 
-// A row of a cell, in floats: frame, background, 1 / variance, squared distance.
-struct Chunk {
-  alignas(32) std::array<float, kCell> y{}, cb{}, cr{};
-  alignas(32) std::array<float, kCell> by{}, bcb{}, bcr{};
-  alignas(32) std::array<float, kCell> wy{}, wc{}, d{};
-  alignas(32) std::array<float, kCell> least{}, most{};  // of the plate's luma round the pixel
-  alignas(32) std::array<float, kCell> high{};           // luma over the plate's, most
-  // As they come.
-  alignas(32) std::array<std::uint16_t, kCell> luma{}, py{}, pb{}, pr{}, sy{}, sc{};
-};
-
 // How light may change what a background pixel shows.
 struct Light {
   float low, high;  // luma over the plate's
@@ -44,19 +34,66 @@ struct Light {
   float paler;      // of a shadow, share by which chroma may stay behind luma
 };
 
-// Squared distance of p to the background under any light allowed. Shadows on turf lose more luma
-// than chroma, since the sky still lights them.
-inline float residual(float y, float cb, float cr, float by, float bcb, float bcr, float wy,
-                      float wc, float low, float high, float slack, float paler) {
-  const float luma = std::min(std::max(y / std::max(by, 8.f), low), high);
-  const float bb = bcb * bcb + bcr * bcr + 1.f;
-  const float least = luma - slack;
-  const float most = luma + slack + paler * std::max(0.f, 1.f - luma);
-  const float chroma = std::min(std::max((cb * bcb + cr * bcr) / bb, least), most);
-  const float ry = y - luma * by;
-  const float rb = cb - chroma * bcb;
-  const float rr = cr - chroma * bcr;
-  return wy * ry * ry + wc * (rb * rb + rr * rr);
+constexpr int kLanes = 8;
+
+__m256 all(float v) { return _mm256_set1_ps(v); }
+__m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
+__m256 minus(__m256 a, __m256 b) { return _mm256_sub_ps(a, b); }
+__m256 clamped(__m256 v, __m256 least, __m256 most) {
+  return _mm256_min_ps(_mm256_max_ps(v, least), most);
+}
+__m256 greater(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
+__m256 choose(__m256 mask, __m256 yes, __m256 no) { return _mm256_blendv_ps(no, yes, mask); }
+
+__m128i words_at(const std::uint16_t* from) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+}
+__m256 floats(__m128i words) { return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(words)); }
+// Code values times 16 as code values less `zero`.
+__m256 codes(__m128i words, float zero) {
+  return _mm256_fmsub_ps(floats(words), all(0.0625f), all(zero));
+}
+
+// Eight pixels, less black and grey.
+struct Colours {
+  __m256 y, cb, cr;
+};
+
+// 1 / variance.
+struct Weights {
+  __m256 luma, chroma;
+};
+
+// Squared distances of pixels p to the background under any light allowed, luma up to `high` times
+// its. Shadows on turf lose more luma than chroma, since the sky still lights them.
+__m256 residual(const Colours& p, const Colours& b, const Weights& w, const Light& light,
+                __m256 high) {
+  const __m256 luma =
+      clamped(_mm256_div_ps(p.y, _mm256_max_ps(b.y, all(8.f))), all(light.low), high);
+  const __m256 bb = _mm256_fmadd_ps(b.cb, b.cb, _mm256_fmadd_ps(b.cr, b.cr, all(1.f)));
+  const __m256 darker = _mm256_max_ps(_mm256_setzero_ps(), minus(all(1.f), luma));
+  const __m256 least = minus(luma, all(light.slack));
+  const __m256 most =
+      _mm256_fmadd_ps(all(light.paler), darker, _mm256_add_ps(luma, all(light.slack)));
+  const __m256 along = _mm256_fmadd_ps(p.cb, b.cb, times(p.cr, b.cr));
+  const __m256 chroma = clamped(_mm256_div_ps(along, bb), least, most);
+  const __m256 ry = _mm256_fnmadd_ps(luma, b.y, p.y);
+  const __m256 rb = _mm256_fnmadd_ps(chroma, b.cb, p.cb);
+  const __m256 rr = _mm256_fnmadd_ps(chroma, b.cr, p.cr);
+  return _mm256_fmadd_ps(times(w.luma, ry), ry,
+                         times(w.chroma, _mm256_fmadd_ps(rb, rb, times(rr, rr))));
+}
+
+// The weights of a pixel whose plate has these deviations and is `blur` out of place.
+Weights weights(float luma_noise, float chroma_noise, __m256 luma_deviation,
+                __m256 chroma_deviation, __m256 blur) {
+  const __m256 blurred = times(blur, blur);
+  const __m256 luma =
+      _mm256_fmadd_ps(luma_deviation, luma_deviation, _mm256_add_ps(all(luma_noise), blurred));
+  const __m256 chroma =
+      _mm256_fmadd_ps(chroma_deviation, chroma_deviation,
+                      _mm256_fmadd_ps(all(kChromaOfRange), blurred, all(chroma_noise)));
+  return {_mm256_div_ps(all(1.f), luma), _mm256_div_ps(all(1.f), chroma)};
 }
 
 struct Noise {
@@ -75,117 +112,152 @@ Light light_on_turf(const KeyOptions& options) {
           0.08f, 0.5f};
 }
 
-// Greatest and least luma of the plate in 3x3 pixels, less black; both 0 where a part is missing.
-void luma_extremes(const WarpedPlate& plate, int x, int y, int n, int height, Chunk& out) {
-  const int i = x / kCell;
-  const int j = y / kCell;
-  const WarpPlane& luma = plate.y;
-  const std::uint16_t* b = luma.row(y) + x;
-  const bool up = y > 0 && plate.done.at(i, (y - 1) / kCell);
-  const bool down = y + 1 < height && plate.done.at(i, (y + 1) / kCell);
-  const std::uint16_t* a = up ? luma.row(y - 1) + x : b;
-  const std::uint16_t* c = down ? luma.row(y + 1) + x : b;
-  // Columns beside the cell, where they and those above and below them are there.
-  const auto beside = [&](int column) {
-    return plate.done.at(column, j) && (!up || plate.done.at(column, (y - 1) / kCell)) &&
-           (!down || plate.done.at(column, (y + 1) / kCell));
-  };
-  const bool before = beside(i - 1);
-  const bool after = n == kCell && beside(i + 1);
-  const int first = before ? 0 : 1;
-  const int last = after ? n : n - 1;
-  std::array<std::uint16_t, kCell + 2> low{};
-  std::array<std::uint16_t, kCell + 2> high{};
-  for (int k = first - 1; k <= last; ++k) {
-    const auto m = static_cast<std::size_t>(k + 1);
-    low[m] = std::min({a[k], b[k], c[k]});
-    high[m] = std::max({a[k], b[k], c[k]});
-  }
-  const auto end = static_cast<std::size_t>(n);
-  if (!before) {
-    low[0] = low[1];
-    high[0] = high[1];
-  }
-  if (!after) {
-    low[end + 1] = low[end];
-    high[end + 1] = high[end];
-  }
-  for (std::size_t k = 0; k < kCell; ++k) {
-    const std::uint16_t least = std::min({low[k], low[k + 1], low[k + 2]});
-    const std::uint16_t most = std::max({high[k], high[k + 1], high[k + 2]});
-    out.least[k] = least ? least * 0.0625f - 64.f : 0.f;
-    out.most[k] = least ? most * 0.0625f - 64.f : 0.f;
-  }
+// Eight pixels of a row, those beyond its end like the last.
+__m128i pixels(const std::uint16_t* row, int x, int width) {
+  if (x + kLanes <= width) return words_at(row + x);
+  alignas(16) std::array<std::uint16_t, kLanes> copy;
+  for (int k = 0; k < kLanes; ++k)
+    copy[static_cast<std::size_t>(k)] = row[std::min(x + k, width - 1)];
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(copy.data()));
 }
 
-// Chroma of a row of a cell at luma's resolution, grey = 0.
-void load_chroma(const image::Frame& frame, const image::ChromaShift& shift, std::size_t which,
-                 int x, int y, int n, std::array<float, kCell>& out) {
+// Chroma of eight pixels at luma's resolution, grey = 0.
+__m256 chroma_at(const image::Frame& frame, const image::ChromaShift& shift, std::size_t which,
+                 int x, int y) {
   const auto& plane = frame.planes[which];
   const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
-  if (shift.x == 0) {
-    for (int k = 0; k < n; ++k) out[static_cast<std::size_t>(k)] = row[x + k] - 512.f;
-    return;
-  }
-  const int last = plane.width() - 1;
-  std::array<float, kCell / 2 + 1> at{};
-  for (int k = 0; k <= kCell / 2; ++k)
-    at[static_cast<std::size_t>(k)] = row[std::min(x / 2 + k, last)] - 512.f;
-  for (std::size_t k = 0; k < kCell / 2; ++k) {
-    out[2 * k] = at[k];
-    out[2 * k + 1] = 0.5f * (at[k] + at[k + 1]);
-  }
+  if (shift.x == 0) return minus(floats(pixels(row, x, plane.width())), all(512.f));
+  const __m128i here = pixels(row, x >> 1, plane.width());
+  const __m128i next = pixels(row, (x >> 1) + 1, plane.width());
+  const __m128i twice = _mm_unpacklo_epi16(_mm_add_epi16(here, here), _mm_add_epi16(here, next));
+  return _mm256_fmsub_ps(floats(twice), all(0.5f), all(512.f));
 }
 
-// Standard deviations in kDistanceScale, saturating; 0 where there is nothing to compare with.
-void store_distances(const std::array<float, kCell>& squared, const std::uint8_t* known,
-                     std::size_t count, std::uint8_t* out) {
-  alignas(32) std::array<float, kCell> sigma;
-  for (std::size_t k = 0; k < kCell; k += 8)
-    _mm256_store_ps(sigma.data() + k,
-                    _mm256_min_ps(_mm256_mul_ps(_mm256_sqrt_ps(_mm256_load_ps(squared.data() + k)),
-                                                _mm256_set1_ps(kDistanceScale)),
-                                  _mm256_set1_ps(255.f)));
-  for (std::size_t k = 0; k < count; ++k)
-    out[k] = known[k] ? static_cast<std::uint8_t>(sigma[k]) : std::uint8_t{0};
-}
+// Least and greatest luma of the plate in 3x3 pixels, code values times 16, for a row of pixels;
+// both 0 where one of them is missing.
+class LumaExtremes {
+ public:
+  explicit LumaExtremes(int width)
+      : low_(static_cast<std::size_t>(width) + 4 * kCell),
+        high_(low_.size()),
+        least_(low_.size()),
+        most_(low_.size()) {}
+
+  // The pixels of a span of cells that are done; of the rows above and below those that are.
+  void run(const WarpedPlate& plate, const Span& span, int y, int height) {
+    const std::uint16_t* b = plate.y.row(y);
+    for (int x = span.begin; x < span.end; x += kCell) {
+      const int i = x / kCell;
+      const bool up = y > 0 && plate.done.at(i, (y - 1) / kCell);
+      const bool down = y + 1 < height && plate.done.at(i, (y + 1) / kCell);
+      const std::uint16_t* a = up ? plate.y.row(y - 1) : b;
+      const std::uint16_t* c = down ? plate.y.row(y + 1) : b;
+      const __m256i middle = load(b + x);
+      const __m256i above = load(a + x);
+      const __m256i below = load(c + x);
+      store(low_, x, _mm256_min_epu16(middle, _mm256_min_epu16(above, below)));
+      store(high_, x, _mm256_max_epu16(middle, _mm256_max_epu16(above, below)));
+    }
+    for (auto* values : {&low_, &high_}) {
+      *at(*values, span.begin - 1) = *at(*values, span.begin);
+      *at(*values, span.end) = *at(*values, span.end - 1);
+    }
+    for (int x = span.begin; x < span.end; x += kCell) {
+      const __m256i low = _mm256_min_epu16(
+          load(at(low_, x)), _mm256_min_epu16(load(at(low_, x - 1)), load(at(low_, x + 1))));
+      const __m256i high = _mm256_max_epu16(
+          load(at(high_, x)), _mm256_max_epu16(load(at(high_, x - 1)), load(at(high_, x + 1))));
+      const __m256i none = _mm256_cmpeq_epi16(low, _mm256_setzero_si256());
+      store(least_, x, low);
+      store(most_, x, _mm256_andnot_si256(none, high));
+    }
+  }
+  __m128i least(int x) { return words_at(at(least_, x)); }
+  __m128i most(int x) { return words_at(at(most_, x)); }
+
+ private:
+  static std::uint16_t* at(std::vector<std::uint16_t>& values, int x) {
+    return values.data() + kCell + x;
+  }
+  static __m256i load(const std::uint16_t* from) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+  }
+  static void store(std::vector<std::uint16_t>& values, int x, __m256i words) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(at(values, x)), words);
+  }
+  std::vector<std::uint16_t> low_, high_, least_, most_;
+};
 
 // Luma over the plate's that turf may have where the plate holds a shadow.
-float brightest(const Light& light, float lit, float by, float bcb, float bcr,
-                const Expected& turf) {
-  const float along = bcb * turf.cb + bcr * turf.cr;
-  const bool grass = along > kLeastGrass * (turf.cb * turf.cb + turf.cr * turf.cr);
-  if (!grass || lit <= by || by < kDarkestGrass * lit) return light.high;
-  return std::max(light.high, kLitAgain * lit / by);
+__m256 brightest(const Light& light, float lit, const Colours& b, const Expected& turf) {
+  const __m256 along = _mm256_fmadd_ps(b.cb, all(turf.cb), times(b.cr, all(turf.cr)));
+  const float saturation = turf.cb * turf.cb + turf.cr * turf.cr;
+  const __m256 grass = greater(along, all(kLeastGrass * saturation));
+  const __m256 shadow = _mm256_and_ps(greater(all(lit), b.y),
+                                      _mm256_cmp_ps(b.y, all(kDarkestGrass * lit), _CMP_GE_OQ));
+  const __m256 again = _mm256_max_ps(all(light.high), _mm256_div_ps(all(kLitAgain * lit), b.y));
+  return choose(_mm256_and_ps(grass, shadow), again, all(light.high));
 }
 
-// The residual of a pixel with shifts along the plate's edges.
-float shifted(const WarpedPlate& plate, const Chunk& row, std::size_t k, int x, int y, int taps,
-              float reach, const Light& light) {
-  float best = row.d[k];
+// The residuals with shifts along the plate's edges, no more than `d`.
+__m256 shifted(const WarpedPlate& plate, const Colours& p, const Colours& b, const Weights& w,
+               const Light& light, __m256 high, int x, int y, int taps, float reach, __m256 d) {
+  const __m256 sign = all(-0.f);
+  const Colours off{minus(p.y, b.y), minus(p.cb, b.cb), minus(p.cr, b.cr)};
+  __m256 best = d;
   for (int v = -1; v <= 1; ++v)
     for (int u = -1; u <= 1; ++u) {
       if (u == 0 && v == 0) continue;
       const int nx = x + u * taps;
       const int ny = y + v * taps;
-      if (!plate.done.at(nx / kCell, ny / kCell)) continue;
-      const std::uint16_t ly = plate.y(nx, ny);
-      if (ly == 0) continue;
-      const float ey = ly * 0.0625f - 64.f - row.by[k];
-      const float eb = plate.cb(nx, ny) * 0.0625f - 512.f - row.bcb[k];
-      const float er = plate.cr(nx, ny) * 0.0625f - 512.f - row.bcr[k];
-      if (std::abs(ey) + std::abs(eb) + std::abs(er) < kEdgeCodes) continue;
+      const __m128i luma = words_at(plate.y.row(ny) + nx);
+      const __m128i none = _mm_cmpeq_epi16(luma, _mm_setzero_si128());
+      const Colours e{minus(codes(luma, 64.f), b.y),
+                      minus(codes(words_at(plate.cb.row(ny) + nx), 512.f), b.cb),
+                      minus(codes(words_at(plate.cr.row(ny) + nx), 512.f), b.cr)};
+      const __m256 size =
+          _mm256_add_ps(_mm256_andnot_ps(sign, e.y),
+                        _mm256_add_ps(_mm256_andnot_ps(sign, e.cb), _mm256_andnot_ps(sign, e.cr)));
+      const __m256 missing = _mm256_castsi256_ps(_mm256_cvtepi16_epi32(none));
+      const __m256 counts =
+          _mm256_andnot_ps(missing, _mm256_cmp_ps(size, all(kEdgeCodes), _CMP_GE_OQ));
+      if (_mm256_movemask_ps(counts) == 0) continue;
       // The shift along this direction that fits best, then the distance with it.
-      const float norm = row.wy[k] * ey * ey + row.wc[k] * (eb * eb + er * er);
-      const float dot = row.wy[k] * (row.y[k] - row.by[k]) * ey +
-                        row.wc[k] * ((row.cb[k] - row.bcb[k]) * eb + (row.cr[k] - row.bcr[k]) * er);
+      const __m256 norm = _mm256_fmadd_ps(
+          times(w.luma, e.y), e.y, times(w.chroma, _mm256_fmadd_ps(e.cb, e.cb, times(e.cr, e.cr))));
+      const __m256 dot =
+          _mm256_fmadd_ps(times(w.luma, off.y), e.y,
+                          times(w.chroma, _mm256_fmadd_ps(off.cb, e.cb, times(off.cr, e.cr))));
       const float length = (u != 0 && v != 0 ? 1.4142f : 1.f) * static_cast<float>(taps);
-      const float t = std::clamp(dot / norm, 0.f, std::min(1.f, reach / length));
-      best = std::min(best, residual(row.y[k], row.cb[k], row.cr[k], row.by[k] + t * ey,
-                                     row.bcb[k] + t * eb, row.bcr[k] + t * er, row.wy[k], row.wc[k],
-                                     light.low, row.high[k], light.slack, light.paler));
+      const __m256 t = clamped(_mm256_div_ps(dot, norm), _mm256_setzero_ps(),
+                               all(std::min(1.f, reach / length)));
+      const Colours moved{_mm256_fmadd_ps(t, e.y, b.y), _mm256_fmadd_ps(t, e.cb, b.cb),
+                          _mm256_fmadd_ps(t, e.cr, b.cr)};
+      const __m256 with = residual(p, moved, w, light, high);
+      best = choose(_mm256_and_ps(counts, greater(best, with)), with, best);
     }
   return best;
+}
+
+// Standard deviations in kDistanceScale, saturating.
+__m128i to_bytes(__m256 squared) {
+  const __m256 sigma =
+      _mm256_min_ps(times(_mm256_sqrt_ps(squared), all(kDistanceScale)), all(255.f));
+  const __m256i whole = _mm256_cvttps_epi32(sigma);
+  const __m128i words =
+      _mm_packus_epi32(_mm256_castsi256_si128(whole), _mm256_extracti128_si256(whole, 1));
+  return _mm_packus_epi16(words, words);
+}
+
+// The first `n` of eight bytes.
+void store_bytes(__m128i bytes, int n, std::uint8_t* to) {
+  alignas(16) std::array<std::uint8_t, 16> all_bytes;
+  if (n == kLanes) {
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(to), bytes);
+    return;
+  }
+  _mm_store_si128(reinterpret_cast<__m128i*>(all_bytes.data()), bytes);
+  std::copy_n(all_bytes.begin(), n, to);
 }
 
 // What the samples of a cell say: how many may differ from the plate, or the plate misses; and
@@ -198,61 +270,88 @@ struct FirstLook {
 void look(const image::Frame& frame, const image::ChromaShift& shift, const PlateSamples& plate,
           int x, int y, float lit, const Light& light, const Noise& noise, float bound, float sure,
           FirstLook& out) {
-  const std::uint16_t* luma = frame.planes[0].row(y) + x;
-  const int cy = std::min(y >> shift.y, frame.planes[1].height() - 1);
-  const std::uint16_t* cb = frame.planes[1].row(cy) + (x >> shift.x);
-  const std::uint16_t* cr = frame.planes[2].row(cy) + (x >> shift.x);
-  const int step = shift.x ? 1 : 2;
-  for (std::size_t k = 0; k < 8; ++k) {
-    const auto n = static_cast<std::ptrdiff_t>(k);
-    const float by = plate.y[k] * 0.0625f - 64.f;
-    const float high = std::max(light.high, std::min(kLitAgain * lit / std::max(by, 8.f), 2.f));
-    const float blur = kCoarseRangeShare * 0.0625f * plate.range[k];
-    const float dy = plate.luma_deviation[k] * 0.0625f;
-    const float dc = plate.chroma_deviation[k] * 0.0625f;
-    const float d = residual(luma[2 * n] - 64.f, cb[step * n] - 512.f, cr[step * n] - 512.f, by,
-                             plate.cb[k] * 0.0625f - 512.f, plate.cr[k] * 0.0625f - 512.f,
-                             1.f / (noise.luma + dy * dy + blur * blur),
-                             1.f / (noise.chroma + dc * dc + kChromaOfRange * blur * blur),
-                             light.low, high, light.slack, light.paler);
-    out.unlike += d > bound || plate.y[k] == 0;
-    out.sure = out.sure || d > sure || plate.y[k] == 0;
-  }
+  const auto every_second = [](const std::uint16_t* from) {
+    const __m256i both = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    return _mm256_cvtepi32_ps(_mm256_and_si256(both, _mm256_set1_epi32(0xffff)));
+  };
+  const auto chroma = [&](std::size_t which) {
+    const auto& plane = frame.planes[which];
+    const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
+    const std::uint16_t* from = row + (x >> shift.x);
+    return minus(shift.x ? floats(words_at(from)) : every_second(from), all(512.f));
+  };
+  const auto sampled = [](const std::array<std::uint16_t, 8>& values) {
+    return words_at(values.data());
+  };
+  const Colours p{minus(every_second(frame.planes[0].row(y) + x), all(64.f)), chroma(1), chroma(2)};
+  const Colours b{codes(sampled(plate.y), 64.f), codes(sampled(plate.cb), 512.f),
+                  codes(sampled(plate.cr), 512.f)};
+  const __m256 again = _mm256_div_ps(all(kLitAgain * lit), _mm256_max_ps(b.y, all(8.f)));
+  const __m256 high = _mm256_max_ps(all(light.high), _mm256_min_ps(again, all(2.f)));
+  const Weights w = weights(noise.luma, noise.chroma, codes(sampled(plate.luma_deviation), 0.f),
+                            codes(sampled(plate.chroma_deviation), 0.f),
+                            times(floats(sampled(plate.range)), all(kCoarseRangeShare * 0.0625f)));
+  const __m256 d = residual(p, b, w, light, high);
+  const __m256 missing = _mm256_cmp_ps(b.y, all(-64.f), _CMP_EQ_OQ);
+  const auto count = [&](float beyond) {
+    const int lanes = _mm256_movemask_ps(_mm256_or_ps(greater(d, all(beyond)), missing));
+    return std::popcount(static_cast<unsigned>(lanes));
+  };
+  out.unlike += count(bound);
+  out.sure = out.sure || count(sure) > 0;
 }
 
 }  // namespace
 
-image::Image<std::uint8_t> local_peak(const Difference& difference) {
+void local_peak(const Difference& difference, image::Image<std::uint8_t>& across,
+                image::Image<std::uint8_t>& out) {
   const image::Image<std::uint8_t>& values = difference.distance;
   const CellMask& cells = difference.active;
   constexpr int reach = kPeakReach;
+  constexpr int kBytes = 16;
+  static_assert(kCell % kBytes == 0);
   const int w = values.width();
   const int h = values.height();
-  image::Image<std::uint8_t> across(w, h, 0);
-  image::Image<std::uint8_t> out(w, h, 0);
+  reset(across, w, h, std::uint8_t{0});
+  reset(out, w, h, std::uint8_t{0});
+  const auto load = [](const std::uint8_t* from) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+  };
   for (int j = 0; j < cells.rows; ++j)
     for (const Span& span : spans(cells, j, w))
       for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) {
         const std::uint8_t* from = values.row(y);
         std::uint8_t* to = across.row(y);
-        std::copy(from + span.begin, from + span.end, to + span.begin);
-        for (int k = 1; k <= reach; ++k) {
-          for (int x = span.begin; x < std::min(span.end, w - k); ++x)
-            to[x] = std::max(to[x], from[x + k]);
-          for (int x = std::max(span.begin, k); x < span.end; ++x)
-            to[x] = std::max(to[x], from[x - k]);
+        for (int x = span.begin; x < span.end; x += kBytes) {
+          if (x >= reach && x + kBytes + reach <= w) {
+            __m128i most = load(from + x - reach);
+            for (int k = 1 - reach; k <= reach; ++k) most = _mm_max_epu8(most, load(from + x + k));
+            _mm_storeu_si128(reinterpret_cast<__m128i*>(to + x), most);
+            continue;
+          }
+          for (int i = x; i < std::min(span.end, x + kBytes); ++i)
+            to[i] =
+                *std::max_element(from + std::max(0, i - reach), from + std::min(w, i + reach + 1));
         }
       }
   for (int j = 0; j < cells.rows; ++j)
     for (const Span& span : spans(cells, j, w))
       for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) {
         std::uint8_t* to = out.row(y);
-        for (int v = std::max(0, y - reach); v <= std::min(h - 1, y + reach); ++v) {
-          const std::uint8_t* from = across.row(v);
-          for (int x = span.begin; x < span.end; ++x) to[x] = std::max(to[x], from[x]);
+        const int first = std::max(0, y - reach);
+        const int last = std::min(h - 1, y + reach);
+        for (int x = span.begin; x < span.end; x += kBytes) {
+          if (x + kBytes <= w) {
+            __m128i most = load(across.row(first) + x);
+            for (int v = first + 1; v <= last; ++v)
+              most = _mm_max_epu8(most, load(across.row(v) + x));
+            _mm_storeu_si128(reinterpret_cast<__m128i*>(to + x), most);
+            continue;
+          }
+          for (int i = x; i < span.end; ++i)
+            for (int v = first; v <= last; ++v) to[i] = std::max(to[i], across(i, v));
         }
       }
-  return out;
 }
 
 Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
@@ -276,7 +375,7 @@ Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
   return {middle(0) - 64, middle(1) - 512, middle(2) - 512};
 }
 
-CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const FrameGrid& grid,
+CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
                      const KeyOptions& options) {
   const int width = frame.width();
   const int height = frame.height();
@@ -297,6 +396,15 @@ CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const
         FirstLook& seen = looks[static_cast<std::size_t>(i)];
         const int x = i * kCell;
         if (seen.sure || !grid.volume.at(i, j) || x + kCell > width) continue;
+        if (y + kCoarseRows < height) {
+          const auto ahead = [&](std::size_t c, int nx, int ny) {
+            _mm_prefetch(reinterpret_cast<const char*>(frame.planes[c].row(ny) + nx), _MM_HINT_T0);
+          };
+          const int ny = y + kCoarseRows;
+          ahead(0, x, ny);
+          ahead(1, x >> shift.x, ny >> shift.y);
+          ahead(2, x >> shift.x, ny >> shift.y);
+        }
         const bool turf = grid.turf.at(i, j);
         warper.sample(x, y, 2, samples);
         look(frame, shift, samples, x, y, turf ? warper.turf_luma(i, j) : 0.f,
@@ -319,15 +427,15 @@ CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const
   return out;
 }
 
-Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellMask active,
-                      const PlateWarper& warper, const FrameGrid& grid, const Expected& turf,
-                      const KeyOptions& options) {
+void difference(const image::Frame& frame, const CellMask& active, PlateWarper& warper,
+                const FrameGrid& grid, const Expected& turf, const KeyOptions& options,
+                WarpedPlate& plate, Difference& out) {
   const int width = frame.width();
   const int height = frame.height();
-  Difference out;
-  out.distance = image::Image<std::uint8_t>(width, height, 0);
-  out.known = image::Image<std::uint8_t>(width, height, 0);
-  out.edge = image::Image<std::uint8_t>(width, height, 0);
+  out.active = active;
+  reset(out.distance, width, height, std::uint8_t{0});
+  reset(out.known, width, height, std::uint8_t{0});
+  reset(out.edge, width, height, std::uint8_t{0});
 
   const Light on_grass = light_on_turf(options);
   const Noise noise = noise_of(options);
@@ -335,89 +443,97 @@ Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellM
   const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
   const auto weak = static_cast<float>(options.weak_sigma * options.weak_sigma);
   const auto shift = image::chroma_shift(frame.format);
-  const Expected grassy = turf;
-  Chunk row;
+  const __m256 lanes = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256 zero = _mm256_setzero_ps();
+  LumaExtremes extremes(width);
 
-  for (int j = 0; j < active.rows; ++j)
-    for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y)
-      for (int i = 0; i < active.columns; ++i) {
-        if (!active.at(i, j)) continue;
-        const int x0 = i * kCell;
-        const int n = std::min(kCell, width - x0);
-        const auto count = static_cast<std::size_t>(n);
-        const bool grass = grid.turf.at(i, j);
-        const Light light = grass ? on_grass : kElsewhere;
-        const float lit = grass ? warper.turf_luma(i, j) : 0.f;
-        const auto load = [count](const std::uint16_t* from, std::array<std::uint16_t, kCell>& to) {
-          if (count == kCell)
-            std::memcpy(to.data(), from, sizeof to);
-          else
-            std::memcpy(to.data(), from, count * sizeof(std::uint16_t));
-        };
-        load(frame.planes[0].row(y) + x0, row.luma);
-        load(plate.y.row(y) + x0, row.py);
-        load(plate.cb.row(y) + x0, row.pb);
-        load(plate.cr.row(y) + x0, row.pr);
-        load(plate.luma_deviation.row(y) + x0, row.sy);
-        load(plate.chroma_deviation.row(y) + x0, row.sc);
-        std::uint8_t* known = out.known.row(y) + x0;
-        std::uint8_t* edge = out.edge.row(y) + x0;
-        std::uint8_t* distance = out.distance.row(y) + x0;
-        load_chroma(frame, shift, 1, x0, y, n, row.cb);
-        load_chroma(frame, shift, 2, x0, y, n, row.cr);
-        luma_extremes(plate, x0, y, n, height, row);
-        for (std::size_t k = 0; k < kCell; ++k) {
-          const bool have = row.py[k] != 0;
-          row.y[k] = row.luma[k] - 64.f;
-          row.by[k] = have ? row.py[k] * 0.0625f - 64.f : grassy.y;
-          row.bcb[k] = have ? row.pb[k] * 0.0625f - 512.f : grassy.cb;
-          row.bcr[k] = have ? row.pr[k] * 0.0625f - 512.f : grassy.cr;
-          const float blur = kRangeShare * (row.most[k] - row.least[k]);
-          const float dy = have ? row.sy[k] * 0.0625f : 1.5f * kNoTurfDeviation;
-          const float dc = have ? row.sc[k] * 0.0625f : 0.5f * kNoTurfDeviation;
-          row.wy[k] = 1.f / (noise.luma + dy * dy + blur * blur);
-          row.wc[k] = 1.f / (noise.chroma + dc * dc + kChromaOfRange * blur * blur);
-        }
-        row.high.fill(light.high);
-        for (std::size_t k = 0; k < kCell; ++k)
-          row.d[k] =
-              residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k], row.wy[k],
-                       row.wc[k], light.low, light.high, light.slack, light.paler);
-        const std::uint8_t alone = grass && turf.y > 0 ? 2 : 0;
-        for (std::size_t k = 0; k < count; ++k) {
-          known[k] = row.py[k] ? std::uint8_t{1} : alone;
-          edge[k] = row.py[k] != 0 && row.most[k] - row.least[k] > kEdgeRange;
-        }
-        const bool search = taps > 0 && y >= taps && y + taps < height;
-        for (std::size_t k = 0; k < count; ++k) {
-          if (row.d[k] < weak || row.py[k] == 0) continue;
-          const int x = x0 + static_cast<int>(k);
-          if (lit > 0) {
-            row.high[k] = brightest(on_grass, lit, row.by[k], row.bcb[k], row.bcr[k], turf);
-            if (row.high[k] > light.high)
-              row.d[k] =
-                  residual(row.y[k], row.cb[k], row.cr[k], row.by[k], row.bcb[k], row.bcr[k],
-                           row.wy[k], row.wc[k], light.low, row.high[k], light.slack, light.paler);
-          }
-          if (search && x >= taps && x + taps < width)
-            row.d[k] = shifted(plate, row, k, x, y, taps, reach, light);
-        }
-        // A blurred or displaced edge is no darker than its darkest, no brighter than its
-        // brightest.
-        for (std::size_t k = 0; k < kCell; ++k) {
-          const float halo = kHaloShare * (row.most[k] - row.least[k]);
-          const float dark = light.low * row.least[k] - row.y[k];
-          const float bright = row.y[k] - row.high[k] * row.most[k];
-          const float more = dark > bright ? dark : bright;
-          const float beyond = row.most[k] > 0 && more > 0 ? more : 0.f;
-          const float dy = row.sy[k] * 0.0625f;
-          const float d = beyond * beyond / (noise.luma + dy * dy + halo * halo);
-          row.d[k] = row.d[k] > d ? row.d[k] : d;
-        }
-        store_distances(row.d, known, count, distance);
+  const auto fetch = [&](int x, int y) {
+    _mm_prefetch(reinterpret_cast<const char*>(frame.planes[0].row(y) + x), _MM_HINT_T0);
+    for (const std::size_t c : {1U, 2U})
+      _mm_prefetch(
+          reinterpret_cast<const char*>(frame.planes[c].row(y >> shift.y) + (x >> shift.x)),
+          _MM_HINT_T0);
+  };
+  const auto eight = [&](int x, int y) {
+    if (x % 16 == 0 && y + 4 < height) fetch(x, y + 4);
+    const int i = x / kCell;
+    const int j = y / kCell;
+    const bool grass = grid.turf.at(i, j);
+    const Light light = grass ? on_grass : kElsewhere;
+    const float lit = grass ? warper.turf_luma(i, j) : 0.f;
+    const __m128i luma = words_at(plate.y.row(y) + x);
+    const __m128i none = _mm_cmpeq_epi16(luma, _mm_setzero_si128());
+    const __m256 missing = _mm256_castsi256_ps(_mm256_cvtepi16_epi32(none));
+    const Colours p{minus(floats(pixels(frame.planes[0].row(y), x, width)), all(64.f)),
+                    chroma_at(frame, shift, 1, x, y), chroma_at(frame, shift, 2, x, y)};
+    const Colours b{choose(missing, all(turf.y), codes(luma, 64.f)),
+                    choose(missing, all(turf.cb), codes(words_at(plate.cb.row(y) + x), 512.f)),
+                    choose(missing, all(turf.cr), codes(words_at(plate.cr.row(y) + x), 512.f))};
+    const __m256 luma_deviation = codes(words_at(plate.luma_deviation.row(y) + x), 0.f);
+    const __m256 chroma_deviation = codes(words_at(plate.chroma_deviation.row(y) + x), 0.f);
+    const __m128i least_words = extremes.least(x);
+    const __m128i most_words = extremes.most(x);
+    const __m256 no_extremes = _mm256_castsi256_ps(
+        _mm256_cvtepi16_epi32(_mm_cmpeq_epi16(most_words, _mm_setzero_si128())));
+    const __m256 least = _mm256_andnot_ps(no_extremes, codes(least_words, 64.f));
+    const __m256 most = _mm256_andnot_ps(no_extremes, codes(most_words, 64.f));
+    const __m256 range = minus(most, least);
+    const Weights w = weights(noise.luma, noise.chroma,
+                              choose(missing, all(1.5f * kNoTurfDeviation), luma_deviation),
+                              choose(missing, all(0.5f * kNoTurfDeviation), chroma_deviation),
+                              times(all(kRangeShare), range));
+    __m256 high = all(light.high);
+    __m256 d = residual(p, b, w, light, high);
+    const __m256 unlike = _mm256_andnot_ps(missing, _mm256_cmp_ps(d, all(weak), _CMP_GE_OQ));
+    if (_mm256_movemask_ps(unlike) != 0) {
+      if (lit > 0) {
+        high = choose(unlike, brightest(on_grass, lit, b, turf), high);
+        d = choose(greater(high, all(light.high)), residual(p, b, w, light, high), d);
       }
-  out.active = std::move(active);
-  return out;
+      if (taps > 0 && y >= taps && y + taps < height) {
+        const __m256 columns = _mm256_add_ps(all(static_cast<float>(x)), lanes);
+        const __m256 inside = _mm256_and_ps(
+            _mm256_cmp_ps(columns, all(static_cast<float>(taps)), _CMP_GE_OQ),
+            _mm256_cmp_ps(columns, all(static_cast<float>(width - taps)), _CMP_LT_OQ));
+        const __m256 with = shifted(plate, p, b, w, light, high, x, y, taps, reach, d);
+        d = choose(_mm256_and_ps(unlike, inside), with, d);
+      }
+    }
+    // A blurred or displaced edge is no darker than its darkest, no brighter than its brightest.
+    const __m256 halo = times(all(kHaloShare), range);
+    const __m256 dark = _mm256_fmsub_ps(all(light.low), least, p.y);
+    const __m256 bright = _mm256_fnmadd_ps(high, most, p.y);
+    const __m256 more = _mm256_max_ps(_mm256_max_ps(dark, bright), zero);
+    const __m256 beyond = choose(greater(most, zero), more, zero);
+    const __m256 variance = _mm256_fmadd_ps(luma_deviation, luma_deviation,
+                                            _mm256_fmadd_ps(halo, halo, all(noise.luma)));
+    d = _mm256_max_ps(d, _mm256_div_ps(times(beyond, beyond), variance));
+
+    const int n = std::min(kLanes, width - x);
+    const __m128i no_plate = _mm_packs_epi16(none, none);
+    const auto alone = static_cast<char>(grass && turf.y > 0 ? 2 : 0);
+    const __m128i known = _mm_blendv_epi8(_mm_set1_epi8(1), _mm_set1_epi8(alone), no_plate);
+    const __m256i steep = _mm256_castps_si256(greater(range, all(kEdgeRange)));
+    const __m128i steep_words =
+        _mm_packs_epi32(_mm256_castsi256_si128(steep), _mm256_extracti128_si256(steep, 1));
+    const __m128i edge = _mm_andnot_si128(
+        no_plate, _mm_and_si128(_mm_packs_epi16(steep_words, steep_words), _mm_set1_epi8(1)));
+    const __m128i nothing = _mm_cmpeq_epi8(known, _mm_setzero_si128());
+    store_bytes(known, n, out.known.row(y) + x);
+    store_bytes(edge, n, out.edge.row(y) + x);
+    store_bytes(_mm_andnot_si128(nothing, to_bytes(d)), n, out.distance.row(y) + x);
+  };
+  // A row of cells is compared as soon as it and the next are there, while they are in the cache.
+  warper.start(active, plate);
+  warper.warp_row(0, plate);
+  for (int j = 0; j < active.rows; ++j) {
+    warper.warp_row(j + 1, plate);
+    for (const Span& span : spans(active, j, width))
+      for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) {
+        extremes.run(plate, span, y, height);
+        for (int x = span.begin; x < span.end; x += kLanes) eight(x, y);
+      }
+  }
 }
 
 }  // namespace touchline::key

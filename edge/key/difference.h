@@ -35,7 +35,7 @@ struct Difference {
 // The cells in which something may differ from the plate, with their neighbours: every second pixel
 // of every third row is looked at. Cells in which the plate misses something count as well. The
 // others show the plate and nothing else.
-CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const FrameGrid& grid,
+CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
                      const KeyOptions& options);
 
 // A pixel against its background: the least distance to the background under any light allowed
@@ -43,12 +43,14 @@ CellMask find_active(const image::Frame& frame, const PlateWarper& warper, const
 // standard deviations of noise and plate. Shadows keep turf's chromaticity; turf in the plate's
 // shadows may be as light as that round it. Where the plate has an edge, shifts up to
 // `calibration_px` are forgiven as well, but nothing darker or brighter than both its sides.
-// `plate` must have the cells of `active`.
-Difference difference(const image::Frame& frame, const WarpedPlate& plate, CellMask active,
-                      const PlateWarper& warper, const FrameGrid& grid, const Expected& turf,
-                      const KeyOptions& options);
+// Only the cells of `active` are looked at; `plate` has them afterwards.
+void difference(const image::Frame& frame, const CellMask& active, PlateWarper& warper,
+                const FrameGrid& grid, const Expected& turf, const KeyOptions& options,
+                WarpedPlate& plate, Difference& out);
 
 // The strongest difference within kPeakReach pixels, a square; in the active cells, 0 elsewhere.
-image::Image<std::uint8_t> local_peak(const Difference& difference);
+// `across` is scratch.
+void local_peak(const Difference& difference, image::Image<std::uint8_t>& across,
+                image::Image<std::uint8_t>& out);
 
 }  // namespace touchline::key

@@ -8,6 +8,7 @@
 #include "edge/key/alike.h"
 #include "edge/key/components.h"
 #include "edge/key/difference.h"
+#include "edge/key/packed_plate.h"
 #include "edge/key/plate_warp.h"
 #include "edge/key/soft_alpha.h"
 #include "edge/key/volume.h"
@@ -51,9 +52,31 @@ base::Status KeyOptions::validate() const {
   return {};
 }
 
+struct Keyer::State {
+  PackedPlate plate;
+  WarpedPlate warped;
+  Difference difference;
+  image::Image<std::uint8_t> peak, bodies, scratch;
+  MixBuffers mix;
+};
+
+Keyer::Keyer() : state_(std::make_unique<State>()) {}
+Keyer::~Keyer() = default;
+Keyer::Keyer(Keyer&&) noexcept = default;
+Keyer& Keyer::operator=(Keyer&&) noexcept = default;
+
 state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& camera,
                      const image::PlateSnapshot& plate, const pitch::PitchModel& pitch,
                      const KeyOptions& options) {
+  // The plate outlives the call.
+  const std::shared_ptr<const image::PlateSnapshot> borrowed(std::shared_ptr<const void>(), &plate);
+  return Keyer().key(frame, camera, borrowed, pitch, options);
+}
+
+state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEstimate& camera,
+                            const std::shared_ptr<const image::PlateSnapshot>& shown,
+                            const pitch::PitchModel& pitch, const KeyOptions& options) {
+  const image::PlateSnapshot& plate = *shown;
   const KeyOptions o = bounded(options);
   const int width = frame.width();
   const int height = frame.height();
@@ -71,15 +94,17 @@ state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& 
   }
 
   const FrameGrid grid = make_grid(camera, pitch, o.margin_m, o.tallest_m);
-  const PlateWarper warper(plate, grid, width, height, o.noise_codes);
+  state_->plate.show(shown);
+  PlateWarper warper(plate, state_->plate, grid, width, height, o.noise_codes);
   const Expected turf = turf_colour(frame, grid);
-  CellMask active = find_active(frame, warper, grid, o);
-  WarpedPlate warped(width, height);
-  warper.warp(active, warped);
-  const Difference diff = difference(frame, warped, std::move(active), warper, grid, turf, o);
-  const auto peak = local_peak(diff);
-  const auto bodies = find_bodies(diff, peak, grid, camera, pitch, o);
-  matte.alpha = soft_alpha(frame, warped, turf, diff, peak, bodies, o);
+  const CellMask active = find_active(frame, warper, grid, o);
+  WarpedPlate& warped = state_->warped;
+  Difference& diff = state_->difference;
+  difference(frame, active, warper, grid, turf, o, warped, diff);
+  local_peak(diff, state_->scratch, state_->peak);
+  find_bodies(diff, state_->peak, grid, camera, pitch, o, state_->scratch, state_->bodies);
+  const image::Image<std::uint8_t>& bodies = state_->bodies;
+  matte.alpha = soft_alpha(frame, warped, turf, diff, state_->peak, bodies, o, state_->mix);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
   mark_alike(frame, diff, bodies, matte.alpha, grid, o, matte.unknown);

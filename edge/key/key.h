@@ -1,6 +1,8 @@
 // The difference key: people and ball against the plate (chapter 4.3).
 #pragma once
 
+#include <memory>
+
 #include "edge/state/key_result.h"
 #include "shared/base/result.h"
 #include "shared/geometry/camera_estimate.h"
@@ -35,5 +37,23 @@ struct KeyOptions {
 state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& camera,
                      const image::PlateSnapshot& plate, const pitch::PitchModel& pitch,
                      const KeyOptions& options = {});
+
+// Keys frame after frame of one camera: the same results, but what was prepared of a plate is kept
+// for as long as the plate stays the same. It holds the plate it was given last.
+class Keyer {
+ public:
+  Keyer();
+  ~Keyer();
+  Keyer(Keyer&&) noexcept;
+  Keyer& operator=(Keyer&&) noexcept;
+
+  state::KeyResult key(const image::Frame& frame, const geometry::CameraEstimate& camera,
+                       const std::shared_ptr<const image::PlateSnapshot>& plate,
+                       const pitch::PitchModel& pitch, const KeyOptions& options = {});
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace touchline::key

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -21,119 +22,118 @@ int tile_of(int position) {
   return position >= 0 ? position / kTile : -((kTile - 1 - position) / kTile);
 }
 
-// Eight positions in one tile. 32 bits at a sample hold it and its right neighbour. Gathers are
-// slow on some processors, hence loads and shuffles.
-class TileReader {
- public:
-  // Positions in the tile, taps inside it.
-  TileReader(const image::PlateTile& tile, __m256 u, __m256 v) : tile_(tile) {
-    const __m256i iu = _mm256_cvttps_epi32(u);
-    const __m256i iv = _mm256_cvttps_epi32(v);
-    fu_ = _mm256_sub_ps(u, _mm256_cvtepi32_ps(iu));
-    fv_ = _mm256_sub_ps(v, _mm256_cvtepi32_ps(iv));
-    _mm256_store_si256(reinterpret_cast<__m256i*>(at_.data()),
-                       _mm256_add_epi32(_mm256_slli_epi32(iv, 8), iu));
-    // Lanes 0..3 and 4..7 each in eight samples of one row, or of two: loads and shuffles.
-    const int first_row = std::min(_mm256_extract_epi32(iv, 0), _mm256_extract_epi32(iv, 7));
-    const __m256i down = _mm256_sub_epi32(iv, _mm256_set1_epi32(first_row));
-    const __m256i away = _mm256_sub_epi32(iu, _mm256_shuffle_epi32(iu, 0));
-    const auto within = [](__m256i values, int end) {
-      return _mm256_and_si256(_mm256_cmpgt_epi32(_mm256_set1_epi32(end), values),
-                              _mm256_cmpgt_epi32(values, _mm256_set1_epi32(-1)));
-    };
-    const int low = first_row * kTile + _mm256_extract_epi32(iu, 0);
-    const int high = first_row * kTile + _mm256_extract_epi32(iu, 4);
-    together_ = _mm256_movemask_epi8(_mm256_and_si256(within(away, 7), within(down, 2))) == -1 &&
-                std::max(low, high) + 2 * kTile + 8 <= kTile * kTile;
-    low_ = low;
-    high_ = high;
-    lower_ = _mm256_cmpgt_epi32(down, _mm256_setzero_si256());
-    two_rows_ = _mm256_movemask_epi8(lower_) != 0;
-    pick_ = _mm256_add_epi32(_mm256_mullo_epi32(away, _mm256_set1_epi32(0x02020202)),
-                             _mm256_set1_epi32(0x03020100));
-    top_ = gather(tile_.mean[0], 0);
-    bottom_ = gather(tile_.mean[0], kTile);
-  }
-  // A bit for each lane with a tap that has no value.
-  int missing() const {
-    const __m256i zero = _mm256_setzero_si256();
-    const __m256i none =
-        _mm256_or_si256(_mm256_cmpeq_epi16(top_, zero), _mm256_cmpeq_epi16(bottom_, zero));
-    return _mm256_movemask_ps(_mm256_castsi256_ps(
-        _mm256_xor_si256(_mm256_cmpeq_epi32(none, zero), _mm256_set1_epi32(-1))));
-  }
-  __m128i luma() const { return mix(top_, bottom_); }
-  __m128i luma_range() const {
-    const __m256i high = _mm256_max_epu16(top_, bottom_);
-    const __m256i low = _mm256_min_epu16(top_, bottom_);
-    const __m256i highest = _mm256_max_epu16(high, _mm256_srli_epi32(high, 16));
-    const __m256i lowest = _mm256_min_epu16(low, _mm256_srli_epi32(low, 16));
-    return narrow(low_half(_mm256_subs_epu16(highest, lowest)));
-  }
-  __m128i chroma(std::size_t plane) const {
-    return mix(gather(tile_.mean[plane], 0), gather(tile_.mean[plane], kTile));
-  }
-  __m128i luma_deviation() const { return narrow(low_half(gather(tile_.deviation[0], 0))); }
-  __m128i chroma_deviation() const {
-    return narrow(
-        low_half(_mm256_max_epu16(gather(tile_.deviation[1], 0), gather(tile_.deviation[2], 0))));
-  }
-  // All bits where the deviation is a measurement.
-  __m128i measured() const {
-    const std::uint8_t* from = tile_.count.data();
-    const __m256i count = _mm256_setr_epi32(from[at_[0]], from[at_[1]], from[at_[2]], from[at_[3]],
-                                            from[at_[4]], from[at_[5]], from[at_[6]], from[at_[7]]);
-    const __m256i enough = _mm256_cmpgt_epi32(count, _mm256_set1_epi32(kLeastSeen - 1));
-    const __m256i packed = _mm256_permute4x64_epi64(_mm256_packs_epi32(enough, enough), 0x08);
-    return _mm256_castsi256_si128(packed);
-  }
-
- private:
-  __m256i gather(const image::Image<std::uint16_t>& plane, int offset) const {
-    const std::uint16_t* from = plane.data() + offset;
-    if (together_) {
-      const auto row = [this](const std::uint16_t* at) {
-        const __m128i low = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at + low_));
-        const __m128i high = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at + high_));
-        return _mm256_shuffle_epi8(_mm256_set_m128i(high, low), pick_);
-      };
-      const __m256i upper = row(from);
-      return two_rows_ ? _mm256_blendv_epi8(upper, row(from + kTile), lower_) : upper;
-    }
-    const auto pair = [from](int at) {
-      int both = 0;
-      std::memcpy(&both, from + at, sizeof both);
-      return both;
-    };
-    return _mm256_setr_epi32(pair(at_[0]), pair(at_[1]), pair(at_[2]), pair(at_[3]), pair(at_[4]),
-                             pair(at_[5]), pair(at_[6]), pair(at_[7]));
-  }
-  static __m256i low_half(__m256i pair) {
-    return _mm256_and_si256(pair, _mm256_set1_epi32(0xffff));
-  }
-  static __m128i narrow(__m256i wide) {
-    const __m256i packed = _mm256_permute4x64_epi64(_mm256_packus_epi32(wide, wide), 0x08);
-    return _mm256_castsi256_si128(packed);
-  }
-  __m256 across(__m256i pair) const {
-    const __m256 left = _mm256_cvtepi32_ps(low_half(pair));
-    const __m256 right = _mm256_cvtepi32_ps(_mm256_srli_epi32(pair, 16));
-    return _mm256_fmadd_ps(fu_, _mm256_sub_ps(right, left), left);
-  }
-  __m128i mix(__m256i top, __m256i bottom) const {
-    const __m256 a = across(top);
-    const __m256 b = across(bottom);
-    return narrow(_mm256_cvtps_epi32(_mm256_fmadd_ps(fv_, _mm256_sub_ps(b, a), a)));
-  }
-
-  const image::PlateTile& tile_;
-  __m256 fu_{}, fv_{};
-  alignas(32) std::array<int, 8> at_{};
-  bool together_ = false;
-  bool two_rows_ = false;
-  int low_ = 0, high_ = 0;
-  __m256i lower_{}, pick_{}, top_{}, bottom_{};
+// Colours at eight positions of one tile, bilinear.
+struct Looked {
+  __m128i y, cb, cr;
+  __m128i range;  // of luma, or kMissing
+  alignas(32) std::array<std::int32_t, 8> at;
 };
+
+// One of the words of both halves of a register eight times in the lower half, the next one in the
+// upper half.
+template <int kWord>
+__m256i two_of(__m256i words) {
+  constexpr char a = 2 * kWord;
+  constexpr char b = a + 1;
+  constexpr char c = a + 2;
+  constexpr char d = a + 3;
+  return _mm256_shuffle_epi8(
+      words, _mm256_setr_epi8(a, b, a, b, a, b, a, b, a, b, a, b, a, b, a, b, c, d, c, d, c, d, c,
+                              d, c, d, c, d, c, d, c, d));
+}
+
+// Positions in the tile, 0 <= u, v < 256.
+Looked look_up(const PackedTile& tile, __m256 u, __m256 v) {
+  const __m256i iu = _mm256_cvttps_epi32(u);
+  const __m256i iv = _mm256_cvttps_epi32(v);
+  const auto fraction = [](__m256 position, __m256i whole) {
+    const __m256i q15 = _mm256_cvttps_epi32(
+        _mm256_mul_ps(_mm256_sub_ps(position, _mm256_cvtepi32_ps(whole)), _mm256_set1_ps(32768.f)));
+    const __m256i words = _mm256_permute4x64_epi64(_mm256_packs_epi32(q15, q15), 0x08);
+    return _mm256_broadcastsi128_si256(_mm256_castsi256_si128(words));
+  };
+  const __m256i fu = fraction(u, iu);
+  const __m256i fv = fraction(v, iv);
+  Looked out;
+  _mm256_store_si256(
+      reinterpret_cast<__m256i*>(out.at.data()),
+      _mm256_add_epi32(_mm256_mullo_epi32(iv, _mm256_set1_epi32(PackedTile::kStride)), iu));
+  const std::uint64_t* from = tile.colours.data();
+  // Rows are too far apart for the processor to guess that the next ones come soon.
+  const auto fetch = [&](std::ptrdiff_t ahead) {
+    const std::ptrdiff_t at = std::min<std::ptrdiff_t>(out.at[0] + ahead * PackedTile::kStride,
+                                                       PackedTile::kStride * (kTile - 1));
+    _mm_prefetch(reinterpret_cast<const char*>(from + at), _MM_HINT_T0);
+    _mm_prefetch(reinterpret_cast<const char*>(from + at + 8), _MM_HINT_T0);
+  };
+  fetch(3);
+  fetch(4);
+  const auto pair = [&](std::size_t k, __m256i across, __m256i down) {
+    const auto row = [&](std::ptrdiff_t offset) {
+      const auto load = [&](std::size_t lane) {
+        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + out.at[lane] + offset));
+      };
+      return _mm256_set_m128i(load(k + 1), load(k));
+    };
+    const __m256i top = row(0);
+    const __m256i bottom = row(PackedTile::kStride);
+    const __m256i mixed =
+        _mm256_add_epi16(top, _mm256_mulhrs_epi16(_mm256_sub_epi16(bottom, top), down));
+    const __m256i right = _mm256_srli_si256(mixed, 8);
+    const __m256i value =
+        _mm256_add_epi16(mixed, _mm256_mulhrs_epi16(_mm256_sub_epi16(right, mixed), across));
+    return _mm256_blend_epi16(value, top, 0x88);
+  };
+  const __m256i a = pair(0, two_of<0>(fu), two_of<0>(fv));
+  const __m256i b = pair(2, two_of<2>(fu), two_of<2>(fv));
+  const __m256i c = pair(4, two_of<4>(fu), two_of<4>(fv));
+  const __m256i d = pair(6, two_of<6>(fu), two_of<6>(fv));
+  // From four words a position to eight positions a channel.
+  const __m256i ab = _mm256_unpacklo_epi16(a, b);
+  const __m256i cd = _mm256_unpacklo_epi16(c, d);
+  const __m256i low = _mm256_unpacklo_epi32(ab, cd);
+  const __m256i high = _mm256_unpackhi_epi32(ab, cd);
+  const __m128i low_even = _mm256_castsi256_si128(low);
+  const __m128i low_odd = _mm256_extracti128_si256(low, 1);
+  const __m128i high_even = _mm256_castsi256_si128(high);
+  const __m128i high_odd = _mm256_extracti128_si256(high, 1);
+  out.y = _mm_unpacklo_epi16(low_even, low_odd);
+  out.cb = _mm_unpackhi_epi16(low_even, low_odd);
+  out.cr = _mm_unpacklo_epi16(high_even, high_odd);
+  out.range = _mm_unpackhi_epi16(high_even, high_odd);
+  return out;
+}
+
+// A bit for each position with a sample round it that is not known.
+int missing_of(const Looked& looked) {
+  return _mm_movemask_epi8(_mm_packs_epi16(looked.range, _mm_setzero_si128())) & 0xff;
+}
+
+struct Deviations {
+  __m128i luma, chroma;
+};
+
+// At the sample above and to the left of each position; measured ones up to the bounds.
+Deviations deviations_of(const PackedTile& tile, const Looked& looked, std::uint16_t luma_bound,
+                         std::uint16_t chroma_bound) {
+  const std::uint32_t* from = tile.deviations.data();
+  const auto four = [&](std::size_t k) {
+    const auto one = [&](std::size_t lane) { return static_cast<int>(from[looked.at[k + lane]]); };
+    return _mm_setr_epi32(one(0), one(1), one(2), one(3));
+  };
+  const __m128i low = four(0);
+  const __m128i high = four(4);
+  const __m128i measured = _mm_packs_epi32(_mm_srai_epi32(low, 31), _mm_srai_epi32(high, 31));
+  const __m128i words = _mm_set1_epi32(0xffff);
+  const __m128i luma = _mm_packus_epi32(_mm_and_si128(low, words), _mm_and_si128(high, words));
+  const __m128i chroma = _mm_and_si128(
+      _mm_packus_epi32(_mm_srli_epi32(low, 16), _mm_srli_epi32(high, 16)), _mm_set1_epi16(0x7fff));
+  const auto limit = [&](__m128i values, std::uint16_t bound) {
+    const __m128i most = _mm_set1_epi16(static_cast<std::int16_t>(bound));
+    return _mm_blendv_epi8(values, _mm_min_epu16(values, most), measured);
+  };
+  return {limit(luma, luma_bound), limit(chroma, chroma_bound)};
+}
 
 void put(std::array<std::uint16_t, 8>& to, __m128i values) {
   _mm_store_si128(reinterpret_cast<__m128i*>(to.data()), values);
@@ -148,9 +148,9 @@ struct PlateWarper::Cell {
   bool turf;
 };
 
-PlateWarper::PlateWarper(const image::PlateSnapshot& plate, const FrameGrid& grid, int width,
-                         int height, double noise_codes)
-    : grid_(grid), width_(width), height_(height) {
+PlateWarper::PlateWarper(const image::PlateSnapshot& plate, PackedPlate& packed,
+                         const FrameGrid& grid, int width, int height, double noise_codes)
+    : grid_(grid), packed_(packed), width_(width), height_(height) {
   if (plate.tiles.empty() || !(plate.radians_per_px > 0)) return;
   first_column_ = last_column_ = plate.tiles.begin()->first.column;
   first_row_ = last_row_ = plate.tiles.begin()->first.row;
@@ -161,12 +161,11 @@ PlateWarper::PlateWarper(const image::PlateSnapshot& plate, const FrameGrid& gri
     last_row_ = std::max(last_row_, key.row);
   }
   const int columns = last_column_ - first_column_ + 1;
-  tiles_.resize(
-      static_cast<std::size_t>(columns) * static_cast<std::size_t>(last_row_ - first_row_ + 1),
-      nullptr);
+  tiles_.resize(static_cast<std::size_t>(columns) *
+                static_cast<std::size_t>(last_row_ - first_row_ + 1));
   for (const auto& [key, tile] : plate.tiles)
-    tiles_[static_cast<std::size_t>((key.row - first_row_) * columns + key.column -
-                                    first_column_)] = &tile;
+    tiles_[static_cast<std::size_t>((key.row - first_row_) * columns + key.column - first_column_)]
+        .tile = &tile;
 
   turn_ = static_cast<float>(2 * std::numbers::pi / plate.radians_per_px);
   node_u_.resize(grid.rays.size());
@@ -179,11 +178,19 @@ PlateWarper::PlateWarper(const image::PlateSnapshot& plate, const FrameGrid& gri
   measure_turf(noise_codes);
 }
 
-const image::PlateTile* PlateWarper::tile(int column, int row) const {
+PlateWarper::TilePair* PlateWarper::tile(int column, int row) {
   if (column < first_column_ || column > last_column_ || row < first_row_ || row > last_row_)
     return nullptr;
-  return tiles_[static_cast<std::size_t>((row - first_row_) * (last_column_ - first_column_ + 1) +
-                                         column - first_column_)];
+  TilePair& found = tiles_[static_cast<std::size_t>(
+      (row - first_row_) * (last_column_ - first_column_ + 1) + column - first_column_)];
+  return found.tile != nullptr ? &found : nullptr;
+}
+
+const PackedTile* PlateWarper::packed(int column, int row) {
+  TilePair* found = tile(column, row);
+  if (!found) return nullptr;
+  if (!found->packed) found->packed = packed_.tile(column, row);
+  return found->packed;
 }
 
 void PlateWarper::measure_turf(double noise_codes) {
@@ -254,8 +261,7 @@ PlateWarper::Cell PlateWarper::cell(int i, int j) const {
 }
 
 // Any position: taps without a value are left out.
-void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out,
-                             std::size_t lane) const {
+void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane) {
   const int iu = static_cast<int>(std::floor(u));
   const int iv = static_cast<int>(std::floor(v));
   const float fu = u - static_cast<float>(iu);
@@ -273,8 +279,9 @@ void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out,
     for (int dx = 0; dx < 2; ++dx) {
       const int column = tile_of(iu + dx);
       const int row = tile_of(iv + dy);
-      const auto* t = tile(column, row);
-      if (!t) continue;
+      const TilePair* found = tile(column, row);
+      if (!found) continue;
+      const image::PlateTile* t = found->tile;
       const int px = iu + dx - column * kTile;
       const int py = iv + dy - row * kTile;
       const std::uint16_t luma = t->mean[0](px, py);
@@ -309,7 +316,7 @@ void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out,
 }
 
 template <bool kBounds>
-void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const {
+void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) {
   const float t = static_cast<float>(y % kCell) / kCell;
   const float s = static_cast<float>(x % kCell) / kCell;
   const float ua = c.u[0] + t * (c.u[2] - c.u[0]);
@@ -318,49 +325,73 @@ void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSampl
   const float across_v = c.v[1] + t * (c.v[3] - c.v[1]) - va;
   const float du = across_u / kCell * static_cast<float>(step);
   const float dv = across_v / kCell * static_cast<float>(step);
-  // Positions on a straight line. Those beyond the tile of its first end are looked up one by one.
+  // Positions on a straight line, looked up tile by tile: most lie in one.
   const float first_u = ua + s * across_u;
   const float first_v = va + s * across_v;
-  const float last_u = first_u + 7 * du;
-  const float last_v = first_v + 7 * dv;
-  int missing = 0xff;
-  if (!c.seam) {
-    const int column = tile_of(static_cast<int>(std::floor(std::min(first_u, last_u))));
-    const int row = tile_of(static_cast<int>(std::floor(std::min(first_v, last_v))));
-    const float base_u = static_cast<float>(column * kTile);
-    const float base_v = static_cast<float>(row * kTile);
-    const auto* found = tile(column, row);
-    if (found) {
-      const __m256 lane = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
-      const __m256 last = _mm256_set1_ps(kTile - 1.01f);
-      const __m256 u = _mm256_fmadd_ps(_mm256_set1_ps(du), lane, _mm256_set1_ps(first_u - base_u));
-      const __m256 v = _mm256_fmadd_ps(_mm256_set1_ps(dv), lane, _mm256_set1_ps(first_v - base_v));
-      const int beyond = _mm256_movemask_ps(
-          _mm256_or_ps(_mm256_cmp_ps(u, last, _CMP_GT_OQ), _mm256_cmp_ps(v, last, _CMP_GT_OQ)));
-      const TileReader reader(*found, _mm256_min_ps(u, last), _mm256_min_ps(v, last));
-      missing = reader.missing() | beyond;
-      if (kBounds && c.turf) {
-        out.luma_deviation.fill(luma_bound_);
-        out.chroma_deviation.fill(chroma_bound_);
-      } else {
-        __m128i luma_deviation = reader.luma_deviation();
-        __m128i chroma_deviation = reader.chroma_deviation();
-        if (c.turf) {
-          const __m128i keep = _mm_xor_si128(reader.measured(), _mm_set1_epi16(-1));
-          const auto limit = [keep](__m128i values, std::uint16_t bound) {
-            return _mm_min_epu16(
-                values, _mm_or_si128(keep, _mm_set1_epi16(static_cast<std::int16_t>(bound))));
-          };
-          luma_deviation = limit(luma_deviation, luma_bound_);
-          chroma_deviation = limit(chroma_deviation, chroma_bound_);
-        }
-        put(out.luma_deviation, luma_deviation);
-        put(out.chroma_deviation, chroma_deviation);
+  const __m256 lanes = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
+  int missing = c.seam ? 0xff : 0;
+  int open = ~missing & 0xff;
+  while (open != 0) {
+    const auto k = static_cast<float>(std::countr_zero(static_cast<unsigned>(open)));
+    const int column = tile_of(static_cast<int>(std::floor(first_u + k * du)));
+    const int row = tile_of(static_cast<int>(std::floor(first_v + k * dv)));
+    const __m256 u = _mm256_fmadd_ps(_mm256_set1_ps(du), lanes,
+                                     _mm256_set1_ps(first_u - static_cast<float>(column * kTile)));
+    const __m256 v = _mm256_fmadd_ps(_mm256_set1_ps(dv), lanes,
+                                     _mm256_set1_ps(first_v - static_cast<float>(row * kTile)));
+    const __m256 end = _mm256_set1_ps(kTile);
+    const __m256 zero = _mm256_setzero_ps();
+    const auto within = [&](__m256 position) {
+      return _mm256_and_ps(_mm256_cmp_ps(position, zero, _CMP_GE_OQ),
+                           _mm256_cmp_ps(position, end, _CMP_LT_OQ));
+    };
+    int here = _mm256_movemask_ps(_mm256_and_ps(within(u), within(v))) & open;
+    // Rounding may leave the first of them just outside.
+    if (here == 0) here = open & -open;
+    const int before = 0xff & ~(open | missing);
+    open &= ~here;
+    const PackedTile* found = packed(column, row);
+    if (!found) {
+      missing |= here;
+      continue;
+    }
+    const auto inside = [&](__m256 position) {
+      return _mm256_min_ps(_mm256_max_ps(position, zero), _mm256_set1_ps(kTile - 0.01f));
+    };
+    const Looked looked = look_up(*found, inside(u), inside(v));
+    missing |= missing_of(looked) & here;
+    Deviations deviations;
+    if (!c.turf)
+      deviations = deviations_of(*found, looked, 0xffff, 0xffff);
+    else if (kBounds)
+      deviations = {_mm_set1_epi16(static_cast<std::int16_t>(luma_bound_)),
+                    _mm_set1_epi16(static_cast<std::int16_t>(chroma_bound_))};
+    else
+      deviations = deviations_of(*found, looked, luma_bound_, chroma_bound_);
+    if (before == 0) {
+      put(out.y, looked.y);
+      put(out.cb, looked.cb);
+      put(out.cr, looked.cr);
+      put(out.range, looked.range);
+      put(out.luma_deviation, deviations.luma);
+      put(out.chroma_deviation, deviations.chroma);
+    } else {
+      PlateSamples part;
+      put(part.y, looked.y);
+      put(part.cb, looked.cb);
+      put(part.cr, looked.cr);
+      put(part.range, looked.range);
+      put(part.luma_deviation, deviations.luma);
+      put(part.chroma_deviation, deviations.chroma);
+      for (std::size_t lane = 0; lane < 8; ++lane) {
+        if (!(here >> lane & 1)) continue;
+        out.y[lane] = part.y[lane];
+        out.cb[lane] = part.cb[lane];
+        out.cr[lane] = part.cr[lane];
+        out.range[lane] = part.range[lane];
+        out.luma_deviation[lane] = part.luma_deviation[lane];
+        out.chroma_deviation[lane] = part.chroma_deviation[lane];
       }
-      put(out.y, reader.luma());
-      put(out.cb, reader.chroma(1));
-      put(out.cr, reader.chroma(2));
-      put(out.range, reader.luma_range());
     }
   }
   for (std::size_t k = 0; k < 8 && missing; ++k) {
@@ -373,46 +404,58 @@ void PlateWarper::sample_eight(const Cell& c, int x, int y, int step, PlateSampl
   }
 }
 
-void PlateWarper::sample(int x, int y, int step, PlateSamples& out) const {
+void PlateWarper::sample(int x, int y, int step, PlateSamples& out) {
   sample_eight<true>(cell(x / kCell, y / kCell), x, y, step, out);
 }
 
-void PlateWarper::warp(const CellMask& cells, WarpedPlate& out) const {
+void PlateWarper::start(const CellMask& cells, WarpedPlate& out) const {
+  for (WarpPlane* plane : {&out.y, &out.cb, &out.cr, &out.luma_deviation, &out.chroma_deviation})
+    plane->resize(width_, height_);
+  out.done = cells;
+}
+
+void PlateWarper::warp_row(int j, WarpedPlate& out) {
+  if (j >= out.done.rows) return;
   struct Part {
     int i;
     bool have;
     Cell cell;
   };
   std::vector<Part> parts;
+  for (int i = 0; i < out.done.columns; ++i) {
+    if (!out.done.at(i, j)) continue;
+    const bool have = !empty() && grid_.volume.at(i, j);
+    parts.push_back({i, have, have ? cell(i, j) : Cell{}});
+  }
+  // Round them the plate has nothing.
+  const auto beside = [&](int i) {
+    for (int v = j - 1; v <= j + 1; ++v)
+      for (int u = i - 1; u <= i + 1; ++u)
+        if (out.done.at(u, v)) return true;
+    return false;
+  };
+  std::vector<int> blank;
+  for (int i = 0; i < out.done.columns; ++i)
+    if (!out.done.at(i, j) && beside(i)) blank.push_back(i * kCell);
+
   PlateSamples s;
-  for (int j = 0; j < cells.rows; ++j) {
-    parts.clear();
-    for (int i = 0; i < cells.columns; ++i) {
-      if (!cells.at(i, j) || out.done.at(i, j)) continue;
-      out.done(i, j) = 1;
-      const bool have = !empty() && grid_.volume.at(i, j);
-      parts.push_back({i, have, have ? cell(i, j) : Cell{}});
-    }
-    for (int y = j * kCell; y < std::min(height_, (j + 1) * kCell); ++y)
-      for (const Part& part : parts)
-        for (int x = part.i * kCell; x < std::min(width_, (part.i + 1) * kCell); x += 8) {
-          if (part.have)
-            sample_eight<false>(part.cell, x, y, 1, s);
-          else
-            s = {};
-          const int n = std::min(8, width_ - x);
-          const auto put_row = [x, y, n](const std::array<std::uint16_t, 8>& from, WarpPlane& to) {
-            if (n == 8)
-              std::memcpy(to.row(y) + x, from.data(), sizeof from);
-            else
-              std::copy_n(from.data(), n, to.row(y) + x);
-          };
-          put_row(s.y, out.y);
-          put_row(s.cb, out.cb);
-          put_row(s.cr, out.cr);
-          put_row(s.luma_deviation, out.luma_deviation);
-          put_row(s.chroma_deviation, out.chroma_deviation);
-        }
+  for (int y = j * kCell; y < std::min(height_, (j + 1) * kCell); ++y) {
+    for (const int x : blank) std::fill_n(out.y.row(y) + x, kCell, std::uint16_t{0});
+    for (const Part& part : parts)
+      for (int x = part.i * kCell; x < std::min(width_, (part.i + 1) * kCell); x += 8) {
+        if (part.have)
+          sample_eight<false>(part.cell, x, y, 1, s);
+        else
+          s = {};
+        const auto put_row = [x, y](const std::array<std::uint16_t, 8>& from, WarpPlane& to) {
+          std::memcpy(to.row(y) + x, from.data(), sizeof from);
+        };
+        put_row(s.y, out.y);
+        put_row(s.cb, out.cb);
+        put_row(s.cr, out.cr);
+        put_row(s.luma_deviation, out.luma_deviation);
+        put_row(s.chroma_deviation, out.chroma_deviation);
+      }
   }
 }
 

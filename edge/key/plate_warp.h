@@ -6,42 +6,22 @@
 #include <memory>
 #include <vector>
 
+#include "edge/key/packed_plate.h"
 #include "edge/key/volume.h"
+#include "edge/key/workspace.h"
 #include "shared/image/image.h"
 #include "shared/image/plate_snapshot.h"
 
 namespace touchline::key {
 
-// A frame-sized plane of which only some cells are ever written, and read.
-class WarpPlane {
- public:
-  WarpPlane(int width, int height)
-      : width_(width),
-        values_(std::make_unique_for_overwrite<std::uint16_t[]>(
-            static_cast<std::size_t>(width) * static_cast<std::size_t>(height))) {}
-  std::uint16_t* row(int y) { return values_.get() + static_cast<std::ptrdiff_t>(y) * width_; }
-  const std::uint16_t* row(int y) const {
-    return values_.get() + static_cast<std::ptrdiff_t>(y) * width_;
-  }
-  std::uint16_t operator()(int x, int y) const { return row(y)[x]; }
-
- private:
-  int width_;
-  std::unique_ptr<std::uint16_t[]> values_;
-};
+using WarpPlane = SparsePlane<std::uint16_t>;
 
 // Code values times 16. Luma 0 = the plate has nothing there, or nobody can be there.
 struct WarpedPlate {
-  WarpedPlate(int width, int height)
-      : y(width, height),
-        cb(width, height),
-        cr(width, height),
-        luma_deviation(width, height),
-        chroma_deviation(width, height),
-        done(width, height) {}
   WarpPlane y, cb, cr;
   WarpPlane luma_deviation, chroma_deviation;
-  CellMask done;  // cells that have values; the others must not be read
+  // Cells that have values. Luma of those beside them is 0; the others must not be read.
+  CellMask done;
 };
 
 // Eight samples of the plate, code values times 16.
@@ -56,34 +36,43 @@ struct PlateSamples {
 // that the plate has filled in, or seen once, keeps the deviation it was given.
 class PlateWarper {
  public:
-  // `noise_codes` of luma, code values: the least that the bound is derived from.
-  PlateWarper(const image::PlateSnapshot& plate, const FrameGrid& grid, int width, int height,
-              double noise_codes);
+  // `packed` shows the plate. `noise_codes` of luma, code values: the least that the bound is
+  // derived from.
+  PlateWarper(const image::PlateSnapshot& plate, PackedPlate& packed, const FrameGrid& grid,
+              int width, int height, double noise_codes);
 
   bool empty() const { return tiles_.empty(); }
   // Pixels x, x + step .. x + 7 step of a row, all in one cell; step 1 or 2. For a first look:
   // turf has the bounds of its deviations.
-  void sample(int x, int y, int step, PlateSamples& out) const;
-  // Fills the marked cells that are not done; those outside the volume with 0.
-  void warp(const CellMask& cells, WarpedPlate& out) const;
+  void sample(int x, int y, int step, PlateSamples& out);
+  // Makes room for these cells; none is done yet, whatever `done` says.
+  void start(const CellMask& cells, WarpedPlate& out) const;
+  // Fills the cells of one row of them; those outside the volume with 0.
+  void warp_row(int j, WarpedPlate& out);
   // Luma of the turf round a cell, code values less black; 0 = unknown.
   float turf_luma(int i, int j) const;
 
  private:
   struct Cell;
-  const image::PlateTile* tile(int column, int row) const;
+  struct TilePair {
+    const image::PlateTile* tile = nullptr;
+    const PackedTile* packed = nullptr;  // once it was asked for
+  };
+  TilePair* tile(int column, int row);
+  const PackedTile* packed(int column, int row);
   Cell cell(int i, int j) const;
-  void sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane) const;
+  void sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane);
   template <bool kBounds>
-  void sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out) const;
+  void sample_eight(const Cell& c, int x, int y, int step, PlateSamples& out);
   void measure_turf(double noise_codes);
 
   const FrameGrid& grid_;
+  PackedPlate& packed_;
   int width_, height_;
   float turn_ = 0;
   std::vector<float> node_u_, node_v_;
   std::int32_t first_column_ = 0, last_column_ = -1, first_row_ = 0, last_row_ = -1;
-  std::vector<const image::PlateTile*> tiles_;
+  std::vector<TilePair> tiles_;
   std::uint16_t luma_bound_ = 0xffff, chroma_bound_ = 0xffff;
   std::vector<float> turf_luma_;  // at every second of the grid's nodes
 };

@@ -1,65 +1,78 @@
 #include "edge/key/soft_alpha.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <vector>
 
 namespace touchline::key {
 namespace {
 
-constexpr int kBand = 2;              // pixels on either side of the boundary that are mixed
-constexpr int kShadeBlock = 4;        // pixels that share a figure for the shadow
-constexpr int kFar = 4;               // depths are told apart up to this
-constexpr int kDeep = 3;              // pixels from the boundary from which on a colour is pure
-constexpr float kSureShare = 0.55f;   // of that peak, for a pixel of pure foreground
-constexpr float kFringeShare = 0.3f;  // likewise, below which the outermost pixels are a fringe
-constexpr float kCostPerPixel = 60;   // squared code values, of looking for a colour farther away
-constexpr float kUnexplained = 0.3f;  // share of a pixel's squared difference no mix explains
-constexpr float kChromaWeight = 2;    // chroma is noisier by format, steadier by light
+constexpr int kBand = 2;               // pixels on either side of the boundary that are mixed
+constexpr int kShadeBlock = 4;         // pixels that share a figure for the shadow
+constexpr int kShadeReach = 6;         // pixels round them that tell it
+constexpr int kFar = 4;                // depths are told apart up to this
+constexpr int kDeep = 3;               // pixels from the boundary from which on a colour is pure
+constexpr float kSureShare = 0.55f;    // of that peak, for a pixel of pure foreground
+constexpr float kFringeShare = 0.3f;   // likewise, below which the outermost pixels are a fringe
+constexpr float kCostPerPixel = 60;    // squared code values, of looking for a colour farther away
+constexpr float kCostOfRim = 250;      // of a colour a pixel nearer to the boundary
+constexpr float kUnexplained = 0.3f;   // share of a pixel's squared difference no mix explains
+constexpr float kChromaWeight = 2;     // chroma is noisier by format, steadier by light
+constexpr float kLeastContrast = 400;  // squared, of a foreground colour that a share is told by
+constexpr int kLanes = 8;
 
 // Cells of the frame with a body in them or beside them; the rest is not touched.
-CellMask cells_of(const image::Image<std::uint8_t>& bodies) {
+CellMask cells_of(const image::Image<std::uint8_t>& bodies, const CellMask& active) {
   CellMask out(bodies.width(), bodies.height());
-  for (int y = 0; y < bodies.height(); ++y)
+  for (int j = 0; j < out.rows; ++j)
     for (int i = 0; i < out.columns; ++i) {
-      const std::uint8_t* begin = bodies.row(y) + i * kCell;
-      const std::uint8_t* end = bodies.row(y) + std::min(bodies.width(), (i + 1) * kCell);
-      if (!out.at(i, y / kCell) && std::find(begin, end, std::uint8_t{1}) != end)
-        out(i, y / kCell) = 1;
+      if (!active.at(i, j)) continue;
+      const int n = std::min(kCell, bodies.width() - i * kCell);
+      std::uint8_t any = 0;
+      for (int y = j * kCell; y < std::min(bodies.height(), (j + 1) * kCell); ++y) {
+        const std::uint8_t* row = bodies.row(y) + i * kCell;
+        for (int x = 0; x < n; ++x) any |= row[x];
+      }
+      out(i, j) = any;
     }
   return out.grown();
 }
 
+template <typename Visit>
+void each_span(const CellMask& cells, int width, int height, const Visit& visit) {
+  for (int j = 0; j < cells.rows; ++j)
+    for (const Span& span : spans(cells, j, width))
+      for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) visit(span, y);
+}
+
 // Steps to the other side, city block, up to kFar: positive inside bodies, negative outside.
-image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies,
-                                       const CellMask& cells) {
+void signed_depth(const image::Image<std::uint8_t>& bodies, const CellMask& cells,
+                  image::Image<std::int8_t>& out) {
   const int w = bodies.width();
   const int h = bodies.height();
-  image::Image<std::int8_t> out(w, h, -kFar);
-  const auto each_row = [&](const auto& visit) {
-    for (int j = 0; j < cells.rows; ++j)
-      for (const Span& span : spans(cells, j, w))
-        for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) visit(span, y);
-  };
-  each_row([&](const Span& span, int y) {
+  reset(out, w, h, std::int8_t{-kFar});
+  each_span(cells, w, h, [&](const Span& span, int y) {
     const std::uint8_t* from = bodies.row(y);
     std::int8_t* to = out.row(y);
-    for (int x = span.begin; x < span.end; ++x) to[x] = from[x] ? 1 : -1;
+    for (int x = span.begin; x < span.end; ++x) to[x] = static_cast<std::int8_t>(2 * from[x] - 1);
   });
   // Who has no neighbour on the other side, nor one nearer to it, is a step deeper.
   std::vector<std::int8_t> deeper(static_cast<std::size_t>(w));
   for (int step = 1; step < kFar; ++step)
-    each_row([&](const Span& span, int y) {
+    each_span(cells, w, h, [&](const Span& span, int y) {
       const auto k = static_cast<std::int8_t>(step);
       const auto minus = static_cast<std::int8_t>(-step);
       std::int8_t* row = out.row(y);
       const std::int8_t* above = out.row(std::max(0, y - 1));
       const std::int8_t* below = out.row(std::min(h - 1, y + 1));
       std::int8_t* to = deeper.data();
-      const auto one = [&](int x, int left, int right) {
+      const auto one = [=](int x, int left, int right) {
         const std::int8_t low =
             std::min(std::min(row[left], row[right]), std::min(above[x], below[x]));
         const std::int8_t high =
@@ -75,80 +88,134 @@ image::Image<std::int8_t> signed_depth(const image::Image<std::uint8_t>& bodies,
       if (span.end == w && w > 1) one(w - 1, w - 2, w - 1);
       std::copy(to + span.begin, to + span.end, row + span.begin);
     });
-  return out;
 }
 
-// A pixel's colour, in half code values less black and grey; and how deep in a body it is, up to
-// kDeep, when it is surely foreground; else 0.
-struct Core {
-  std::int16_t y, cb, cr, depth;
+// The colours of the picture's pixels in half code values less black and grey, and how deep in a
+// body a pixel is that is surely foreground, up to kDeep; else 0. Only the cells given are written,
+// colours only near bodies; columns beside the picture have depth 0.
+class Cores {
+ public:
+  Cores(std::array<SparsePlane<std::int16_t>, 4>& planes, int width, int height)
+      : width_(width), planes_(planes) {
+    for (auto& plane : planes_) plane.resize(width, height);
+  }
+  enum Plane : std::size_t { kLuma, kBlue, kRed, kDepth };
+  const std::int16_t* row(Plane plane, int y) const { return planes_[plane].row(y); }
+
+  void fill(const image::Frame& frame, const Difference& difference,
+            const image::Image<std::uint8_t>& peak, const image::Image<std::int8_t>& depth,
+            const Span& span, int y) {
+    std::int16_t* deep = to(kDepth, y);
+    if (span.begin == 0) std::fill(deep - kPad, deep, std::int16_t{0});
+    if (span.end == width_) std::fill(deep + width_, deep + width_ + kPad, std::int16_t{0});
+    const std::int8_t* steps = depth.row(y);
+    const std::uint8_t* distance = difference.distance.row(y);
+    const std::uint8_t* top = peak.row(y);
+    for (int begin = span.begin; begin < span.end; begin += kCell) {
+      const int end = std::min(span.end, begin + kCell);
+      std::int8_t nearest = -kFar;
+      for (int x = begin; x < end; ++x) nearest = std::max(nearest, steps[x]);
+      if (nearest < -kBand) {
+        std::fill(deep + begin, deep + end, std::int16_t{0});
+        continue;
+      }
+      for (int x = begin; x < end; ++x) {
+        const auto reached = static_cast<float>(distance[x]);
+        const float wanted = kSureShare * static_cast<float>(top[x]);
+        const std::int16_t d = std::min<std::int16_t>(steps[x], kDeep);
+        deep[x] = reached >= wanted && d > 0 ? d : std::int16_t{0};
+      }
+      const std::uint16_t* luma = frame.planes[0].row(y);
+      std::int16_t* out = to(kLuma, y);
+      for (int x = begin; x < end; ++x) out[x] = static_cast<std::int16_t>(2 * luma[x] - 128);
+      fill_chroma(frame, kBlue, begin, end, y);
+      fill_chroma(frame, kRed, begin, end, y);
+    }
+  }
+
+ private:
+  std::int16_t* to(Plane plane, int y) { return planes_[plane].row(y); }
+  void fill_chroma(const image::Frame& frame, Plane plane, int begin, int end, int y) {
+    const auto shift = image::chroma_shift(frame.format);
+    const auto& from = frame.planes[plane];
+    const std::uint16_t* row = from.row(std::min(y >> shift.y, from.height() - 1));
+    std::int16_t* out = to(plane, y);
+    if (shift.x == 0) {
+      for (int x = begin; x < end; ++x) out[x] = static_cast<std::int16_t>(2 * row[x] - 1024);
+      return;
+    }
+    // Cells begin at even columns.
+    const int last = from.width() - 1;
+    int x = begin;
+    for (; x + 1 < end && (x >> 1) < last; x += 2) {
+      const int a = row[x >> 1];
+      const int b = row[(x >> 1) + 1];
+      out[x] = static_cast<std::int16_t>(2 * a - 1024);
+      out[x + 1] = static_cast<std::int16_t>(a + b - 1024);
+    }
+    for (; x < end; ++x) out[x] = static_cast<std::int16_t>(2 * row[std::min(x >> 1, last)] - 1024);
+  }
+
+  static constexpr int kPad = SparsePlane<std::int16_t>::kPad;
+  int width_;
+  std::array<SparsePlane<std::int16_t>, 4>& planes_;
 };
 
-class Mixer {
+// Luma of the background round a pixel over the plate's: the shadow people stand in. One figure for
+// four by four pixels.
+class Shades {
  public:
-  Mixer(const image::Frame& frame, const WarpedPlate& plate, const Expected& turf)
-      : frame_(frame),
+  Shades(const image::Frame& frame, const WarpedPlate& plate, const Expected& turf,
+         const image::Image<std::int8_t>& depth)
+      : luma_(frame.luma()),
         plate_(plate),
         turf_(turf),
-        shift_(image::chroma_shift(frame.format)),
-        shade_columns_(frame.width() / kShadeBlock + 1),
-        shades_(static_cast<std::size_t>(shade_columns_) *
+        depth_(depth),
+        columns_(frame.width() / kShadeBlock + 1),
+        shades_(static_cast<std::size_t>(columns_) *
                     static_cast<std::size_t>(frame.height() / kShadeBlock + 1),
                 0.f) {}
-
-  std::array<float, 3> pixel(int x, int y) const {
-    const float luma = frame_.planes[0](x, y) - 64.f;
-    return {luma, chroma(1, x, y), chroma(2, x, y)};
-  }
-  std::array<float, 3> background(int x, int y) const {
-    if (!plate_.done.at(x / kCell, y / kCell) || plate_.y(x, y) == 0)
-      return {turf_.y, turf_.cb, turf_.cr};
-    return {plate_.y(x, y) * 0.0625f - 64.f, plate_.cb(x, y) * 0.0625f - 512.f,
-            plate_.cr(x, y) * 0.0625f - 512.f};
-  }
-  // Luma of the background round here over the plate's: the shadow people stand in. One figure for
-  // four by four pixels.
-  float shade(const image::Image<std::int8_t>& depth, int x, int y) {
-    float& known = shades_[static_cast<std::size_t>(y / kShadeBlock) *
-                               static_cast<std::size_t>(shade_columns_) +
-                           static_cast<std::size_t>(x / kShadeBlock)];
+  float at(int x, int y) {
+    float& known =
+        shades_[static_cast<std::size_t>(y / kShadeBlock) * static_cast<std::size_t>(columns_) +
+                static_cast<std::size_t>(x / kShadeBlock)];
     if (known == 0)
-      known = measure_shade(depth, x / kShadeBlock * kShadeBlock + kShadeBlock / 2,
-                            y / kShadeBlock * kShadeBlock + kShadeBlock / 2);
+      known = measure(x / kShadeBlock * kShadeBlock + kShadeBlock / 2,
+                      y / kShadeBlock * kShadeBlock + kShadeBlock / 2);
     return known;
   }
 
  private:
-  float measure_shade(const image::Image<std::int8_t>& depth, int x, int y) const {
-    float seen = 0;
-    float expected = 0;
-    for (int v = -6; v <= 6; v += 2)
-      for (int u = -6; u <= 6; u += 2) {
-        const int nx = x + u;
-        const int ny = y + v;
-        if (!depth.contains(nx, ny) || depth(nx, ny) > -kBand - 1 ||
-            !plate_.done.at(nx / kCell, ny / kCell))
-          continue;
-        seen += frame_.planes[0](nx, ny) - 64.f;
-        expected += plate_.y(nx, ny) ? plate_.y(nx, ny) * 0.0625f - 64.f : turf_.y;
+  float measure(int x, int y) const {
+    int seen = 0;
+    int plate = 0;
+    int known = 0;
+    int unknown = 0;
+    const int left = x - kShadeReach < 0 ? (x - kShadeReach) & 1 : x - kShadeReach;
+    const int right = std::min(depth_.width() - 1, x + kShadeReach);
+    for (int ny = y - kShadeReach; ny <= y + kShadeReach; ny += 2) {
+      if (ny < 0 || ny >= depth_.height()) continue;
+      const std::int8_t* steps = depth_.row(ny);
+      const std::uint16_t* luma = luma_.row(ny);
+      const std::uint16_t* from = plate_.y.row(ny);
+      for (int nx = left; nx <= right; nx += 2) {
+        if (steps[nx] > -kBand - 1 || !plate_.done.at(nx / kCell, ny / kCell)) continue;
+        seen += luma[nx] - 64;
+        plate += from[nx];
+        (from[nx] ? known : unknown) += 1;
       }
+    }
+    const float expected = static_cast<float>(plate) * 0.0625f - 64.f * static_cast<float>(known) +
+                           turf_.y * static_cast<float>(unknown);
     if (expected < 100.f) return 1;
-    return std::clamp(seen / expected, 0.3f, 1.25f);
-  }
-  float chroma(std::size_t which, int x, int y) const {
-    const auto& p = frame_.planes[which];
-    const int cy = std::min(y >> shift_.y, p.height() - 1);
-    const int cx = std::min(x >> shift_.x, p.width() - 1);
-    float value = p(cx, cy);
-    if (shift_.x && (x & 1) && cx + 1 < p.width()) value = 0.5f * (value + p(cx + 1, cy));
-    return value - 512.f;
+    return std::clamp(static_cast<float>(seen) / expected, 0.3f, 1.25f);
   }
 
-  const image::Frame& frame_;
+  image::ImageView<const std::uint16_t> luma_;
   const WarpedPlate& plate_;
   const Expected& turf_;
-  image::ChromaShift shift_;
-  int shade_columns_;
+  const image::Image<std::int8_t>& depth_;
+  int columns_;
   std::vector<float> shades_;  // 0 = not measured yet
 };
 
@@ -158,6 +225,111 @@ constexpr std::array<std::array<int, 2>, 32> kOffsets{
      {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {2, 2},  {-2, 2},  {2, -2}, {-2, -2},
      {3, 1}, {-3, 1}, {1, 3}, {1, -3}, {3, -1}, {-3, -1}, {-1, 3}, {-1, -3},
      {4, 0}, {-4, 0}, {0, 4}, {0, -4}, {3, 3},  {-3, 3},  {3, -3}, {-3, -3}}};
+constexpr int kReach = 4;  // of them
+
+__m256 all(float v) { return _mm256_set1_ps(v); }
+__m256 widened(__m128i words) { return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(words)); }
+__m128i load(const std::int16_t* from) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+}
+// The greatest of eight words, in the first.
+__m128i max_of(__m128i words) {
+  words = _mm_max_epi16(words, _mm_srli_si128(words, 8));
+  words = _mm_max_epi16(words, _mm_srli_si128(words, 4));
+  return _mm_max_epi16(words, _mm_srli_si128(words, 2));
+}
+__m256 squared_norm(__m256 y, __m256 b, __m256 r) {
+  const __m256 chroma = _mm256_fmadd_ps(b, b, _mm256_mul_ps(r, r));
+  return _mm256_fmadd_ps(all(kChromaWeight), chroma, _mm256_mul_ps(y, y));
+}
+
+// The background of eight pixels, shadows included.
+struct Background {
+  __m256 y, cb, cr;
+};
+
+Background background(const WarpedPlate& plate, const Expected& turf, int x, int y, __m256 shade) {
+  Background out{all(turf.y), all(turf.cb), all(turf.cr)};
+  if (plate.done.at(x / kCell, y / kCell)) {
+    const auto from = [&](const WarpPlane& plane, float zero) {
+      const __m128i words = _mm_loadu_si128(reinterpret_cast<const __m128i*>(plane.row(y) + x));
+      return _mm256_fmsub_ps(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(words)), all(0.0625f),
+                             all(zero));
+    };
+    const __m256 luma = from(plate.y, 64.f);
+    const __m256 missing = _mm256_cmp_ps(luma, all(-64.f), _CMP_EQ_OQ);
+    out.y = _mm256_blendv_ps(luma, out.y, missing);
+    out.cb = _mm256_blendv_ps(from(plate.cb, 512.f), out.cb, missing);
+    out.cr = _mm256_blendv_ps(from(plate.cr, 512.f), out.cr, missing);
+  }
+  out.y = _mm256_mul_ps(out.y, shade);
+  out.cb = _mm256_mul_ps(out.cb, shade);
+  out.cr = _mm256_mul_ps(out.cr, shade);
+  return out;
+}
+
+struct Mixture {
+  alignas(32) std::array<float, kLanes> share, rest, unlike;
+};
+
+// The mix that explains each of eight pixels best. `wanted` has bits set in lanes that count.
+void mix(const Cores& cores, int x, int y, int height, const Background& b, __m256 wanted,
+         Mixture& out) {
+  const auto colour = [&](Cores::Plane plane, int nx, int ny, __m256 less) {
+    return _mm256_fmsub_ps(all(0.5f), widened(load(cores.row(plane, ny) + nx)), less);
+  };
+  const __m256 py = colour(Cores::kLuma, x, y, b.y);
+  const __m256 pb = colour(Cores::kBlue, x, y, b.cb);
+  const __m256 pr = colour(Cores::kRed, x, y, b.cr);
+  const __m256 unlike = squared_norm(py, pb, pr);
+  const __m256 least = _mm256_max_ps(all(kLeastContrast), _mm256_mul_ps(unlike, all(0.5f)));
+  // No colour within reach costs less than its way and the rim of the deepest.
+  __m128i deepest = _mm_setzero_si128();
+  for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v) {
+    const std::int16_t* row = cores.row(Cores::kDepth, v);
+    deepest = _mm_max_epi16(deepest, _mm_max_epi16(load(row + x - kReach), load(row + x + kReach)));
+  }
+  const float least_rim =
+      kCostOfRim * static_cast<float>(kDeep - _mm_extract_epi16(max_of(deepest), 0));
+  __m256 best_cost = all(1e30f);
+  __m256 best_rest = unlike;
+  __m256 best = _mm256_setzero_ps();
+  for (const auto& o : kOffsets) {
+    const float far = kCostPerPixel * static_cast<float>(std::abs(o[0]) + std::abs(o[1]));
+    const __m256 open =
+        _mm256_and_ps(wanted, _mm256_cmp_ps(best_cost, all(far + least_rim), _CMP_GT_OQ));
+    if (_mm256_movemask_ps(open) == 0) continue;
+    const int ny = y + o[1];
+    if (ny < 0 || ny >= height) continue;
+    const int nx = x + o[0];
+    const __m256 depth = widened(load(cores.row(Cores::kDepth, ny) + nx));
+    const __m256 sure = _mm256_and_ps(open, _mm256_cmp_ps(depth, _mm256_setzero_ps(), _CMP_GT_OQ));
+    if (_mm256_movemask_ps(sure) == 0) continue;
+    const __m256 fy = colour(Cores::kLuma, nx, ny, b.y);
+    const __m256 fb = colour(Cores::kBlue, nx, ny, b.cb);
+    const __m256 fr = colour(Cores::kRed, nx, ny, b.cr);
+    const __m256 norm = squared_norm(fy, fb, fr);
+    const __m256 chroma = _mm256_fmadd_ps(pb, fb, _mm256_mul_ps(pr, fr));
+    const __m256 dot = _mm256_fmadd_ps(all(kChromaWeight), chroma, _mm256_mul_ps(py, fy));
+    const __m256 share =
+        _mm256_min_ps(_mm256_max_ps(_mm256_div_ps(dot, norm), _mm256_setzero_ps()), all(1.f));
+    const __m256 rest =
+        squared_norm(_mm256_fnmadd_ps(share, fy, py), _mm256_fnmadd_ps(share, fb, pb),
+                     _mm256_fnmadd_ps(share, fr, pr));
+    const __m256 rim =
+        _mm256_fnmadd_ps(all(kCostOfRim), depth, all(far + kCostOfRim * static_cast<float>(kDeep)));
+    const __m256 cost = _mm256_add_ps(rest, rim);
+    const __m256 better =
+        _mm256_and_ps(sure, _mm256_and_ps(_mm256_cmp_ps(norm, least, _CMP_GE_OQ),
+                                          _mm256_cmp_ps(cost, best_cost, _CMP_LT_OQ)));
+    best_cost = _mm256_blendv_ps(best_cost, cost, better);
+    best_rest = _mm256_blendv_ps(best_rest, rest, better);
+    best = _mm256_blendv_ps(best, share, better);
+  }
+  _mm256_store_ps(out.share.data(), best);
+  _mm256_store_ps(out.rest.data(), best_rest);
+  _mm256_store_ps(out.unlike.data(), unlike);
+}
 
 }  // namespace
 
@@ -165,86 +337,67 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
                                       const Expected& turf, const Difference& difference,
                                       const image::Image<std::uint8_t>& peak,
                                       const image::Image<std::uint8_t>& bodies,
-                                      const KeyOptions& options) {
+                                      const KeyOptions& options, MixBuffers& buffers) {
   const int width = bodies.width();
   const int height = bodies.height();
-  const CellMask cells = cells_of(bodies);
-  const auto depth = signed_depth(bodies, cells);
-  Mixer mixer(frame, plate, turf);
-  const auto& distance = difference.distance;
+  const CellMask cells = cells_of(bodies, difference.active);
+  const image::Image<std::int8_t>& depth = buffers.depth;
+  signed_depth(bodies, cells, buffers.depth);
+  Cores cores(buffers.cores, width, height);
+  each_span(cells, width, height,
+            [&](const Span& span, int y) { cores.fill(frame, difference, peak, depth, span, y); });
+  Shades shades(frame, plate, turf, depth);
   const float own_colour = static_cast<float>(1.5 * options.weak_sigma) * kDistanceScale;
 
   image::Image<std::uint8_t> alpha(width, height, 0);
-  const auto each = [&](const auto& visit) {
-    for (int j = 0; j < cells.rows; ++j)
-      for (const Span& span : spans(cells, j, width))
-        for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y)
-          for (int x = span.begin; x < span.end; ++x) visit(x, y);
-  };
-  // Only the cells above are written, and read.
-  const auto cores = std::make_unique_for_overwrite<Core[]>(bodies.size());
-  const auto at = [width](int x, int y) { return static_cast<std::ptrdiff_t>(y) * width + x; };
-  each([&](int x, int y) {
-    const int d = depth(x, y);
-    const bool sure = d > 0 && distance(x, y) >= kSureShare * peak(x, y);
-    Core& core = cores[static_cast<std::size_t>(at(x, y))];
-    core = {};
-    if (!sure) return;
-    const auto p = mixer.pixel(x, y);
-    core = {static_cast<std::int16_t>(2 * p[0]), static_cast<std::int16_t>(2 * p[1]),
-            static_cast<std::int16_t>(2 * p[2]), static_cast<std::int16_t>(std::min(d, kDeep))};
-  });
-  each([&](int x, int y) {
-    const int d = depth(x, y);
-    if (d < -kBand) return;
-    if (d > kBand && cores[static_cast<std::size_t>(at(x, y))].depth > 0) {
-      alpha(x, y) = 255;
-      return;
-    }
-    const auto p = mixer.pixel(x, y);
-    auto b = mixer.background(x, y);
-    const float shade = mixer.shade(depth, x, y);
-    for (auto& channel : b) channel *= shade;
-    const float py = p[0] - b[0];
-    const float pb = p[1] - b[1];
-    const float pr = p[2] - b[2];
-    const float unlike = py * py + kChromaWeight * (pb * pb + pr * pr);
-    float best_cost = 1e30f;
-    float best_rest = unlike;
-    float best = 0;
-    for (const auto& o : kOffsets) {
-      const float far = kCostPerPixel * static_cast<float>(std::abs(o[0]) + std::abs(o[1]));
-      if (best_cost <= kCostPerPixel * static_cast<float>(std::max(std::abs(o[0]), std::abs(o[1]))))
-        break;
-      const int nx = x + o[0];
-      const int ny = y + o[1];
-      if (!depth.contains(nx, ny)) continue;
-      const Core& core = cores[static_cast<std::size_t>(at(nx, ny))];
-      if (core.depth == 0) continue;
-      const float fy = 0.5f * core.y - b[0];
-      const float fb = 0.5f * core.cb - b[1];
-      const float fr = 0.5f * core.cr - b[2];
-      const float norm = fy * fy + kChromaWeight * (fb * fb + fr * fr);
-      if (norm < 400.f || norm < unlike * 0.5f) continue;
-      const float dot = py * fy + kChromaWeight * (pb * fb + pr * fr);
-      const float a = std::clamp(dot / norm, 0.f, 1.f);
-      const float ry = py - a * fy;
-      const float rb = pb - a * fb;
-      const float rr = pr - a * fr;
-      const float rest = ry * ry + kChromaWeight * (rb * rb + rr * rr);
-      const float cost = rest + far + 250.f * static_cast<float>(kDeep - core.depth);
-      if (cost < best_cost) {
-        best_cost = cost;
-        best_rest = rest;
-        best = a;
+  Mixture mixture;
+  each_span(cells, width, height, [&](const Span& span, int y) {
+    const std::int8_t* steps = depth.row(y);
+    const std::int16_t* core = cores.row(Cores::kDepth, y);
+    const std::uint8_t* distance = difference.distance.row(y);
+    const std::uint8_t* top = peak.row(y);
+    std::uint8_t* to = alpha.row(y);
+    for (int x = span.begin; x < span.end; x += kLanes) {
+      const int n = std::min(kLanes, span.end - x);
+      alignas(16) std::array<std::int8_t, 16> near{};
+      std::copy_n(steps + x, n, near.begin());
+      if (n < kLanes) std::fill(near.begin() + n, near.begin() + kLanes, std::int8_t{-kFar});
+      const __m128i d =
+          _mm_cvtepi8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(near.data())));
+      const __m128i band = _mm_cmpgt_epi16(d, _mm_set1_epi16(-kBand - 1));
+      if (_mm_movemask_epi8(band) == 0) continue;
+      const __m128i pure = _mm_and_si128(_mm_cmpgt_epi16(d, _mm_set1_epi16(kBand)),
+                                         _mm_cmpgt_epi16(load(core + x), _mm_setzero_si128()));
+      alignas(16) std::array<std::uint8_t, 16> full;
+      _mm_store_si128(reinterpret_cast<__m128i*>(full.data()), _mm_packs_epi16(pure, pure));
+      std::copy_n(full.begin(), n, to + x);
+      const __m128i mixed = _mm_andnot_si128(pure, band);
+      if (_mm_movemask_epi8(mixed) == 0) continue;
+      alignas(32) std::array<std::int32_t, kLanes> wanted;
+      _mm256_store_si256(reinterpret_cast<__m256i*>(wanted.data()), _mm256_cvtepi16_epi32(mixed));
+      const auto in_half = [&](std::size_t k) {
+        return (wanted[k] | wanted[k + 1] | wanted[k + 2] | wanted[k + 3]) != 0;
+      };
+      const __m128 left = _mm_set1_ps(in_half(0) ? shades.at(x, y) : 1.f);
+      const __m128 right = _mm_set1_ps(in_half(4) ? shades.at(x + kLanes / 2, y) : 1.f);
+      const Background b = background(plate, turf, x, y, _mm256_set_m128(right, left));
+      mix(cores, x, y, height, b,
+          _mm256_castsi256_ps(_mm256_load_si256(reinterpret_cast<const __m256i*>(wanted.data()))),
+          mixture);
+      for (int k = 0; k < n; ++k) {
+        const auto lane = static_cast<std::size_t>(k);
+        if (wanted[lane] == 0) continue;
+        float share = mixture.share[lane];
+        const auto reached = static_cast<float>(distance[x + k]);
+        const bool fringe =
+            steps[x + k] < 2 && reached < kFringeShare * static_cast<float>(top[x + k]);
+        if (steps[x + k] > 0 && !fringe &&
+            mixture.rest[lane] > kUnexplained * mixture.unlike[lane] && reached >= own_colour)
+          share = 1;
+        const int value = static_cast<int>(share * 255.f + 0.5f);
+        to[x + k] = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
       }
     }
-    const bool fringe = d < 2 && distance(x, y) < kFringeShare * peak(x, y);
-    if (bodies(x, y) && !fringe && best_rest > kUnexplained * unlike &&
-        distance(x, y) >= own_colour)
-      best = 1;
-    const int value = static_cast<int>(best * 255.f + 0.5f);
-    alpha(x, y) = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
   });
   return alpha;
 }

@@ -2,13 +2,22 @@
 // plate's.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "edge/key/difference.h"
 #include "edge/key/plate_warp.h"
+#include "edge/key/workspace.h"
 #include "shared/image/frame.h"
 
 namespace touchline::key {
+
+// What soft_alpha() uses again from frame to frame.
+struct MixBuffers {
+  image::Image<std::int8_t> depth;
+  // Luma, Cb and Cr in half code values less black and grey; depth of what is surely foreground.
+  std::array<SparsePlane<std::int16_t>, 4> cores;
+};
 
 // 255 inside bodies, 0 away from them. Pixels within two of the boundary, and those inside that are
 // much less unlike the plate than what is round them, get the share of the foreground colour in
@@ -18,6 +27,6 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
                                       const Expected& turf, const Difference& difference,
                                       const image::Image<std::uint8_t>& peak,
                                       const image::Image<std::uint8_t>& bodies,
-                                      const KeyOptions& options);
+                                      const KeyOptions& options, MixBuffers& buffers);
 
 }  // namespace touchline::key
