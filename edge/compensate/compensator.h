@@ -8,10 +8,11 @@
 
 namespace touchline::compensate {
 
-// The inverse of the boost of state::DetailModel by a few Chebyshev steps of short filters. The boost
-// amplifies every frequency by 1 or more, so the inverse amplifies none: noise is lowered and
-// nothing rings. A model without boost leaves every picture as it is, bit for bit. Immutable; one
-// object may serve several threads.
+// The inverse of the boost of state::DetailModel by a few Chebyshev steps of short filters. The
+// boost amplifies every frequency by 1 or more, so the inverse amplifies none: noise is lowered and
+// nothing rings. It works in eighths of a code value; a tap of more than 1 counts as 1. A model
+// without boost leaves every picture as it is, bit for bit. Immutable; one object may serve several
+// threads.
 class Compensator {
  public:
   explicit Compensator(const state::DetailModel& model);
