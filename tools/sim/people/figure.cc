@@ -7,6 +7,7 @@ namespace touchline::sim::people {
 namespace {
 
 // Where things end on the 1.8 m average body, metres.
+constexpr float kNeck = 1.53F;  // nothing is worn above
 constexpr float kShirtHem = 0.865F;
 constexpr float kShortsHem = 0.60F;
 constexpr float kSockTop = 0.475F;
@@ -24,7 +25,7 @@ float ramp(float x, float from, float to) {
 float neck_hole(const Eigen::Vector3f& p) {
   const float radius = std::hypot(p.x(), 0.85F * (p.y() - 0.015F));
   const float front = 0.028F * ramp(-p.y(), 0.0F, 0.08F);
-  return std::min(0.082F - radius, p.z() - 1.475F + front);
+  return std::min({0.082F - radius, p.z() - 1.475F + front, p.z() - 1.455F});
 }
 
 // Over 0 where hair grows: metres inside the hairline.
@@ -43,7 +44,7 @@ float hair_depth(const Eigen::Vector3f& p, HairStyle style) {
 Region region_at(const Outfit& outfit, Part part, const Eigen::Vector3f& p, float along_arm) {
   switch (part) {
     case Part::kHead:
-      if (p.z() < 1.52F && neck_hole(p) < 0) return Region::kShirt;
+      if (p.z() < kNeck && neck_hole(p) < 0) return Region::kShirt;
       if (outfit.hair == HairStyle::kBald) return Region::kSkin;
       return hair_depth(p, outfit.hair) > 0 ? Region::kHair : Region::kSkin;
     case Part::kArm:
@@ -52,7 +53,7 @@ Region region_at(const Outfit& outfit, Part part, const Eigen::Vector3f& p, floa
       return along_arm < (outfit.long_sleeves ? kLongSleeveEnd : kSleeveEnd) ? Region::kShirt
                                                                              : Region::kSkin;
     case Part::kTorso:
-      if (neck_hole(p) > 0) return Region::kSkin;
+      if (p.z() > kNeck || neck_hole(p) > 0) return Region::kSkin;
       return p.z() > kShirtHem ? Region::kShirt : Region::kShorts;
     case Part::kLeg:
     case Part::kFoot:

@@ -256,6 +256,7 @@ class PersonPaint : public Paint {
       case KitPattern::kPlain:
         return first;
       case KitPattern::kStripes:
+        if (arm) return first;
         return std::abs(std::fmod(std::abs(at.p.x()) / 0.09F + 0.5F, 2.0F)) < 1 ? first : second;
       case KitPattern::kHoops: {
         const float s = arm ? at.along * 3.3F : at.p.z() / 0.09F;

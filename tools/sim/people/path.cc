@@ -99,6 +99,23 @@ base::Result<std::vector<Vector2d>> follow_track(const TrackSource& source, doub
   for (std::size_t i = 0; i < track->places.size(); ++i) {
     if (track->places[i]) seen.emplace_back(static_cast<double>(i) / rate, *track->places[i]);
   }
+  // Where somebody is elsewhere from one row to the next (another half, another man under the
+  // number) the track ends: only the stretch that holds the first frame counts.
+  constexpr double kFastest = 13;  // m/s
+  std::size_t first = 0;
+  std::size_t last = seen.size();
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    const double far = (seen[i].second - seen[i - 1].second).norm();
+    if (far < kFastest * (seen[i].first - seen[i - 1].first) + 0.5) continue;
+    if (seen[i].first <= source.start_s) {
+      first = i;
+    } else {
+      last = i;
+      break;
+    }
+  }
+  seen = std::vector<std::pair<double, Vector2d>>(seen.begin() + static_cast<std::ptrdiff_t>(first),
+                                                  seen.begin() + static_cast<std::ptrdiff_t>(last));
   std::vector<Vector2d> out;
   std::size_t k = 0;
   for (double t = from; t <= to + 0.5 / kRate; t += 1 / kRate) {

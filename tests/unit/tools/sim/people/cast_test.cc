@@ -304,6 +304,10 @@ TEST(Cast, FollowsATrack) {
   const Posture p = cast.posture(0, 2);
   EXPECT_NEAR(p.ground.x(), 1 + 0.12 * 50, 0.25);
   EXPECT_NEAR(p.ground.y(), -3, 0.1);
+  // Another half, elsewhere: he stays where the track broke off.
+  std::ofstream(file, std::ios::app) << "9000:1,5,7,4000,3000,3.0;:0,0,0,0,H,Alive;:\n";
+  spec.duration_s = 8;
+  EXPECT_NEAR(make(spec).posture(0, 7).ground.x(), 12.9, 0.3);
   spec.people[0].track.player = 3;
   EXPECT_FALSE(Cast::create(spec, pitch_model(), 1, kAssets));
   std::filesystem::remove(file);
