@@ -45,34 +45,39 @@ void put_in_order(Row& a, Row& b) {
   }
 }
 
-// Twice the median of the first `n` of each column, which are sorted, and twice the sum of
-// distances of the nearer three quarters from it: who walked by does not widen it.
-void summarise(const std::vector<Row>& sorted, std::size_t n, Row& twice, Row& sum) {
-  const Row& low = sorted[(n - 1) / 2];
-  const Row& high = sorted[n / 2];
-  for (std::size_t x = 0; x < kSize; ++x) twice[x] = static_cast<std::uint16_t>(low[x] + high[x]);
-  const auto distance = [&](std::size_t k, std::size_t x) {
-    return static_cast<std::uint16_t>(std::abs(2 * sorted[k][x] - twice[x]));
+// Columns whose counts are looked at together: few differ over so few.
+constexpr std::size_t kPart = 32;
+using Part = std::array<std::uint16_t, kPart>;
+
+// Twice the median of the first `n` of each column from `begin` on, which are sorted, and twice the
+// sum of distances of the nearer three quarters from it: who walked by does not widen it.
+void summarise(const std::vector<Row>& sorted, std::size_t n, std::size_t begin, Part& twice,
+               Part& sum) {
+  const std::uint16_t* low = sorted[(n - 1) / 2].data() + begin;
+  const std::uint16_t* high = sorted[n / 2].data() + begin;
+  for (std::size_t x = 0; x < kPart; ++x) twice[x] = static_cast<std::uint16_t>(low[x] + high[x]);
+  const auto add_distances = [&](std::size_t k, Part& to) {
+    const std::uint16_t* from = sorted[k].data() + begin;
+    for (std::size_t x = 0; x < kPart; ++x) {
+      const auto doubled = static_cast<std::uint16_t>(2 * from[x]);
+      const std::uint16_t more = std::max(doubled, twice[x]);
+      const std::uint16_t less = std::min(doubled, twice[x]);
+      to[x] = static_cast<std::uint16_t>(to[x] + (more - less));
+    }
   };
   sum.fill(0);
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t x = 0; x < kSize; ++x)
-      sum[x] = static_cast<std::uint16_t>(sum[x] + distance(k, x));
+  for (std::size_t k = 0; k < n; ++k) add_distances(k, sum);
   // The farthest quarter: some from below, the rest from above, whichever are most.
   const std::size_t trim = n / 4;
   if (trim == 0) return;
-  Row most{};
-  Row part;
+  Part most{};
+  Part part;
   for (std::size_t below = 0; below <= trim; ++below) {
     part.fill(0);
-    for (std::size_t k = 0; k < trim; ++k) {
-      const std::size_t at = k < below ? k : n - 1 - (k - below);
-      for (std::size_t x = 0; x < kSize; ++x)
-        part[x] = static_cast<std::uint16_t>(part[x] + distance(at, x));
-    }
-    for (std::size_t x = 0; x < kSize; ++x) most[x] = std::max(most[x], part[x]);
+    for (std::size_t k = 0; k < trim; ++k) add_distances(k < below ? k : n - 1 - (k - below), part);
+    for (std::size_t x = 0; x < kPart; ++x) most[x] = std::max(most[x], part[x]);
   }
-  for (std::size_t x = 0; x < kSize; ++x) sum[x] = static_cast<std::uint16_t>(sum[x] - most[x]);
+  for (std::size_t x = 0; x < kPart; ++x) sum[x] = static_cast<std::uint16_t>(sum[x] - most[x]);
 }
 
 // The rows of one channel of one tile row: mean and deviation for each column by its own count.
@@ -85,34 +90,39 @@ class RowMedian {
       network_depth_ = values.size();
     }
     for (const auto& [a, b] : network_) put_in_order(values[a], values[b]);
+    for (std::size_t begin = 0; begin < kSize; begin += kPart)
+      part(values, count.data() + begin, begin, scale, static_cast<float>(noise * 16), mean + begin,
+           deviation + begin);
+  }
+
+ private:
+  static void part(const std::vector<Row>& values, const std::uint16_t* count, std::size_t begin,
+                   int scale, float least, std::uint16_t* mean, std::uint16_t* deviation) {
     std::array<bool, kMost + 1> present{};
-    for (const std::uint16_t n : count) present[n] = true;
-    const auto least = static_cast<float>(noise * 16);
+    for (std::size_t x = 0; x < kPart; ++x) present[count[x]] = true;
+    Part twice;
+    Part sum;
     for (std::size_t n = 1; n <= values.size(); ++n) {
       if (!present[n]) continue;
-      summarise(values, n, twice_, sum_);
+      summarise(values, n, begin, twice, sum);
       // 1.25 of a normal law's mean distance is its deviation, 1.9 of the trimmed one.
       const std::size_t trim = n / 4;
       const float unit =
           (trim ? 1.9f : 1.25f) * 0.5f * static_cast<float>(scale) / static_cast<float>(n - trim);
-      for (std::size_t x = 0; x < kSize; ++x) {
-        const float spread = std::max(unit * static_cast<float>(sum_[x]), least);
-        twice_[x] = static_cast<std::uint16_t>(twice_[x] * (scale / 2));
-        sum_[x] = static_cast<std::uint16_t>(static_cast<int>(std::min(spread + 0.5f, 65535.f)));
-      }
-      for (std::size_t x = 0; x < kSize; ++x) {
+      for (std::size_t x = 0; x < kPart; ++x) {
+        const float spread = std::max(unit * static_cast<float>(sum[x]), least);
+        const auto middle = static_cast<std::uint16_t>(twice[x] * (scale / 2));
+        const auto width =
+            static_cast<std::uint16_t>(static_cast<int>(std::min(spread + 0.5f, 65535.f)));
         const auto mine = static_cast<std::uint16_t>(count[x] == n ? 0xffff : 0);
-        mean[x] = static_cast<std::uint16_t>(mean[x] | (twice_[x] & mine));
-        deviation[x] = static_cast<std::uint16_t>(deviation[x] | (sum_[x] & mine));
+        mean[x] = static_cast<std::uint16_t>(mean[x] | (middle & mine));
+        deviation[x] = static_cast<std::uint16_t>(deviation[x] | (width & mine));
       }
     }
   }
 
- private:
   std::vector<std::pair<std::size_t, std::size_t>> network_;
   std::size_t network_depth_ = 0;
-  Row twice_{};
-  Row sum_{};
 };
 
 template <typename T>
