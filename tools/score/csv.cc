@@ -93,7 +93,7 @@ base::Result<double> CsvTable::number(std::size_t row, std::size_t column) const
 base::Result<std::int64_t> CsvTable::frame(std::size_t row, std::size_t column) const {
   const auto value = number(row, column);
   if (!value) return base::fail(value.error());
-  if (*value < 0 || *value > 1e12 || *value != std::floor(*value)) {
+  if (*value < 0 || *value > 1e9 || *value != std::floor(*value)) {
     return base::fail(
         base::ErrorKind::kFormat, fmt::format("{}:{}", path_, lines_[row]),
         fmt::format("'{}' in column '{}' is no frame", cells_[row][column], header_[column]));

@@ -41,10 +41,21 @@ void score_frame(std::int64_t frame, const std::vector<TruePerson>& truth,
   for (std::size_t t = 0; t < truth.size(); ++t) seen[t] = is_seen(truth[t], cameras);
   std::vector<bool> found(truth.size(), false);
   const std::vector<PersonPair> pairs = pair_people(truth, told, false, kReach);
+  const std::vector<PersonPair> balls = pair_people(truth, told, true, kBallReach);
+  for (const PersonPair& pair : pairs) found[pair.truth] = true;
+  for (const PersonPair& pair : balls) found[pair.truth] = true;
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    if (!seen[t]) continue;
+    const double value = found[t] ? 100 : 0;
+    if (truth[t].is_ball()) {
+      book.add(kBallFound, "ball", {frame, value});
+    } else {
+      book.add_person(kFound, truth[t].id, {frame, value});
+    }
+  }
   for (const PersonPair& pair : pairs) {
     const std::string& id = truth[pair.truth].id;
     const ToldPerson& is = told[pair.told];
-    found[pair.truth] = true;
     book.add_person(kError, id, {frame, pair.distance_m});
     if (is.sd_m && is.sd_m->minCoeff() > 0) {
       const Eigen::Vector3d error =
@@ -57,20 +68,7 @@ void score_frame(std::int64_t frame, const std::vector<TruePerson>& truth,
     known->second = is.person.id;
     book.add_person(kChanges, id, {frame, changed ? 1.0 : 0.0});
   }
-  const auto balls = pair_people(truth, told, true, kBallReach);
-  for (const PersonPair& pair : balls) {
-    found[pair.truth] = true;
-    book.add(kBallError, "ball", {frame, pair.distance_m});
-  }
-  for (std::size_t t = 0; t < truth.size(); ++t) {
-    if (!seen[t]) continue;
-    const double value = found[t] ? 100 : 0;
-    if (truth[t].is_ball()) {
-      book.add(kBallFound, "ball", {frame, value});
-    } else {
-      book.add_person(kFound, truth[t].id, {frame, value});
-    }
-  }
+  for (const PersonPair& pair : balls) book.add(kBallError, "ball", {frame, pair.distance_m});
   const auto people = std::count_if(told.begin(), told.end(),
                                     [](const ToldPerson& p) { return !p.person.is_ball(); });
   book.add(kExtra, "all", {frame, static_cast<double>(people) - static_cast<double>(pairs.size())});

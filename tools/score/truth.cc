@@ -54,15 +54,17 @@ base::Status read_points(const fs::path& path, const std::vector<std::string>& t
     columns[i] = *column;
   }
   for (std::size_t row = 0; row < table->rows(); ++row) {
-    std::array<double, 4> v{};
-    for (std::size_t i = 0; i < v.size(); ++i) {
+    const auto frame = table->frame(row, columns[0]);
+    if (!frame) return base::fail(frame.error());
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    for (std::size_t i = 1; i < columns.size(); ++i) {
       const auto number = table->number(row, columns[i]);
       if (!number) return base::fail(number.error());
-      v[i] = *number;
+      position[static_cast<Eigen::Index>(i - 1)] = *number;
     }
     std::vector<std::string> cells;
     for (const std::size_t column : text_columns) cells.push_back(table->text(row, column));
-    add(static_cast<std::int64_t>(v[0]), cells, Eigen::Vector3d(v[1], v[2], v[3]));
+    add(*frame, cells, position);
   }
   return {};
 }
