@@ -65,10 +65,9 @@ LightCells::LightCells(float half_x, float half_y)
       half_y_(half_y),
       width_(static_cast<int>(2 * half_x * kPerMetre) + 1),
       height_(static_cast<int>(2 * half_y * kPerMetre) + 1),
-      cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_),
-             CellLight::kLit) {}
+      cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
-void LightCells::ask(float x0, float y0, float x1, float y1) {
+void LightCells::mark(float x0, float y0, float x1, float y1, bool figures) {
   const auto index = [](float metres, float half, int most) {
     return static_cast<int>(
         std::clamp((metres + half) * kPerMetre, -1.0f, static_cast<float>(most)));
@@ -80,7 +79,7 @@ void LightCells::ask(float x0, float y0, float x1, float y1) {
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       CellLight& cell = cells_[static_cast<std::size_t>(j * width_ + i)];
-      if (cell == CellLight::kLit) cell = CellLight::kAsk;
+      (figures ? cell.ask_figures : cell.ask_ground) = true;
     }
 }
 
@@ -95,8 +94,9 @@ void LightCells::fill(const std::vector<std::uint8_t>& dark) {
       int sum = 0;
       for (int b = -1; b <= 2; ++b)
         for (int a = -1; a <= 2; ++a) sum += at(i + a, j + b);
-      cells_[static_cast<std::size_t>(j * width_ + i)] =
-          sum == 0 ? CellLight::kLit : (sum == 16 ? CellLight::kDark : CellLight::kAsk);
+      CellLight& cell = cells_[static_cast<std::size_t>(j * width_ + i)];
+      cell.dark = sum == 16;
+      cell.ask_ground = sum > 0 && sum < 16;
     }
 }
 
@@ -110,6 +110,7 @@ Ground::Ground(std::shared_ptr<const world::WorldData> world)
     padded.resize(padded.size() + 4, 0.0f);
     vertices_.push_back(std::move(padded));
   }
+  build();
   bake();
 }
 
@@ -120,7 +121,9 @@ const world::SolidMesh& Ground::mesh(unsigned geometry) const {
   return s.roofs[geometry - kRoofGeometry];
 }
 
-void Ground::attach(RTCScene scene) const {
+void Ground::build() {
+  scene_ = Scene(rtcNewScene(device_.get()));
+  rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
   for (unsigned g = 0; g < kFigureGeometry; ++g) {
     const world::SolidMesh& m = mesh(g);
     if (m.triangles.empty()) continue;
@@ -130,9 +133,10 @@ void Ground::attach(RTCScene scene) const {
     } else if (g >= kTierGeometry) {
       mask = world::tier_mask(static_cast<int>(g - kTierGeometry));
     }
-    attach_mesh(device_.get(), scene, g, mask, vertices_[g].data(), m.vertices.size(), nullptr,
-                m.triangles);
+    attach_mesh(device_.get(), scene_.get(), g, mask, vertices_[g].data(), m.vertices.size(),
+                nullptr, m.triangles);
   }
+  rtcCommitScene(scene_.get());
 }
 
 void Ground::bake() {
@@ -142,9 +146,6 @@ void Ground::bake() {
   world::WorldSpec clear = world_->spec;
   clear.clouds.keys.clear();
   lamps_ = world::Light(clear, world_->structure, 0).at(0).lamps;
-  const Scene scene(rtcNewScene(device_.get()));
-  attach(scene.get());
-  rtcCommitScene(scene.get());
   const float half_x = static_cast<float>(pitch.length_m / 2 + pitch.in_goal_m) + kMargin;
   const float half_y = static_cast<float>(pitch.width_m / 2) + kMargin;
   for (const world::Lamp& lamp : lamps_) {
@@ -168,7 +169,7 @@ void Ground::bake() {
         ray.dir_z = to.z();
         ray.tfar = lamp.distant ? 1e4f : 0.97f;
         ray.mask = ~0u;
-        rtcOccluded1(scene.get(), &context, &ray);
+        rtcOccluded1(scene_.get(), &context, &ray);
         dark[static_cast<std::size_t>(j * columns + i)] = ray.tfar < 0 ? 1 : 0;
       }
     });
@@ -186,7 +187,7 @@ void Ground::bake() {
                       crown, bounds);
         const float soft = wide + softness(lamp, std::max(a.z(), b.z()));
         if (!bounds.empty())
-          cells.ask(bounds.x0 - soft, bounds.y0 - soft, bounds.x1 + soft, bounds.y1 + soft);
+          cells.ask_ground(bounds.x0 - soft, bounds.y0 - soft, bounds.x1 + soft, bounds.y1 + soft);
       }
     }
     cells_.push_back(std::move(cells));
@@ -196,10 +197,10 @@ void Ground::bake() {
 Moment::Moment(const Ground& ground, const people::Cast* cast, double open_s, double close_s)
     : scene_(rtcNewScene(ground.device())), cells_(ground.cells()) {
   const RTCScene scene = scene_.get();
-  ground.attach(scene);
   if (cast) {
     const std::size_t people = cast->people();
-    figures_.resize(people + (cast->has_ball() ? 1 : 0));
+    const bool ball = cast->has_ball() && cast->ball(open_s).present && cast->ball(close_s).present;
+    figures_.resize(people + (ball ? 1 : 0));
     const bool moving = close_s > open_s;
     const auto pose = [&](std::size_t i, double time_s) {
       people::Posture posture = i < people ? cast->posture(i, time_s) : cast->ball_posture(time_s);
@@ -256,7 +257,8 @@ void Moment::mark_shadows(const Ground& ground) {
               cast_shadow(ground.lamps()[lamp], {x, y, z}, crown, shadow);
         const float soft = 0.08f + softness(ground.lamps()[lamp], low + kSlab + crown);
         if (!shadow.empty())
-          cells_[lamp].ask(shadow.x0 - soft, shadow.y0 - soft, shadow.x1 + soft, shadow.y1 + soft);
+          cells_[lamp].ask_figures(shadow.x0 - soft, shadow.y0 - soft, shadow.x1 + soft,
+                                   shadow.y1 + soft);
       }
     const people::Posture& posture = figure.open;
     const bool ball = figure.body->role == "ball";
@@ -269,7 +271,7 @@ void Moment::mark_shadows(const Ground& ground) {
                            static_cast<float>(1 / (reach * reach))});
       const auto r = static_cast<float>(2.5 * reach);
       const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
-      contact_.ask(x - r, y - r, x + r, y + r);
+      contact_.ask_figures(x - r, y - r, x + r, y + r);
     };
     if (ball) {
       if (figure.open.positions.size() > 2) {

@@ -43,9 +43,15 @@ struct Figure {
   people::Posture open, close;  // close is empty when nothing moves
 };
 
-enum class CellLight : std::uint8_t { kLit, kAsk, kDark };
+// Whether a lamp reaches a square of turf: wholly, not at all, or to be asked with rays against
+// what stands there or against people.
+struct CellLight {
+  bool dark = false;
+  bool ask_ground = false;
+  bool ask_figures = false;
+};
 
-// Squares of turf and whether a lamp reaches them: all of it, none of it, or ask with rays.
+// Squares of turf under one lamp.
 class LightCells {
  public:
   LightCells() = default;
@@ -53,11 +59,12 @@ class LightCells {
   CellLight at(float x, float y) const {
     const float u = (x + half_x_) * kPerMetre, v = (y + half_y_) * kPerMetre;
     if (!(u >= 0 && v >= 0 && u < static_cast<float>(width_) && v < static_cast<float>(height_)))
-      return CellLight::kAsk;
+      return {false, true, true};
     return cells_[static_cast<std::size_t>(static_cast<int>(v) * width_ + static_cast<int>(u))];
   }
-  // Marks a rectangle: what is not dark must be asked.
-  void ask(float x0, float y0, float x1, float y1);
+  // Marks a rectangle.
+  void ask_ground(float x0, float y0, float x1, float y1) { mark(x0, y0, x1, y1, false); }
+  void ask_figures(float x0, float y0, float x1, float y1) { mark(x0, y0, x1, y1, true); }
   // From what rays found at the corners of all cells, (width + 1) by (height + 1).
   void fill(const std::vector<std::uint8_t>& dark_corners);
   int width() const { return width_; }
@@ -67,6 +74,7 @@ class LightCells {
 
  private:
   static constexpr float kPerMetre = 2;
+  void mark(float x0, float y0, float x1, float y1, bool figures);
   float half_x_ = 0, half_y_ = 0;
   int width_ = 0, height_ = 0;
   std::vector<CellLight> cells_;
@@ -84,16 +92,18 @@ class Ground {
   explicit Ground(std::shared_ptr<const world::WorldData> world);
   const world::WorldData& world() const { return *world_; }
   RTCDevice device() const { return device_.get(); }
-  void attach(RTCScene scene) const;  // its geometry, by the identifiers above
+  RTCScene scene() const { return scene_.get(); }
   const world::SolidMesh& mesh(unsigned geometry) const;
   // For the lamps of world.light.at(any time), in their order (the sun first where there is one).
   const std::vector<LightCells>& cells() const { return cells_; }
   const std::vector<world::Lamp>& lamps() const { return lamps_; }
 
  private:
+  void build();
   void bake();
   std::shared_ptr<const world::WorldData> world_;
   Device device_;
+  Scene scene_;
   std::vector<std::vector<float>> vertices_;  // of each geometry, padded as Embree wants it
   std::vector<world::Lamp> lamps_;
   std::vector<LightCells> cells_;
@@ -102,10 +112,10 @@ class Ground {
 class Moment {
  public:
   Moment(const Ground& ground, const people::Cast* cast, double open_s, double close_s);
-  RTCScene scene() const { return scene_.get(); }
+  RTCScene scene() const { return scene_.get(); }  // of the figures alone
   const std::vector<Figure>& figures() const { return figures_; }
   const std::vector<LightCells>& cells() const { return cells_; }
-  bool near_figure(float x, float y) const { return contact_.at(x, y) == CellLight::kAsk; }
+  bool near_figure(float x, float y) const { return contact_.at(x, y).ask_figures; }
   // What people leave of the sky's light at a place of the turf near them.
   float contact_shade(float x, float y) const;
 

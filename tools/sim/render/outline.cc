@@ -76,29 +76,55 @@ Vector2f picture_motion(const Exposure& exposure, const Eigen::Vector2d& pixel) 
   return (*b - *a).cwiseAbs().cast<float>();
 }
 
-std::vector<std::uint8_t> mark_thin(const Exposure& exposure, const Moment& moment,
-                                    const world::WorldData& world) {
+Outlines find_outlines(const Exposure& exposure, const Moment& moment,
+                       const world::WorldData& world, int tile) {
   const int width = exposure.open.model.width, height = exposure.open.model.height;
-  std::vector<std::uint8_t> marks(
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  Outlines out;
+  std::vector<std::uint8_t>& marks = out.thin;
+  marks.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
   const Projector open(exposure.open), close(exposure.close);
+  const int columns = (width + tile - 1) / tile, rows = (height + tile - 1) / tile;
+  out.tiles.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
   const auto& figures = moment.figures();
   tbb::parallel_for(std::size_t{0}, figures.size(), [&](std::size_t f) {
     const Figure& figure = figures[f];
     const auto& first = figure.open.positions;
     const auto& last = figure.close.positions.empty() ? first : figure.close.positions;
-    const auto inside = [&](const Vector2f& p) {
-      return p.x() > -8 && p.y() > -8 && p.x() < static_cast<float>(width) + 8 &&
-             p.y() < static_cast<float>(height) + 8;
-    };
     std::vector<Vector2f> begin(first.size() - 2), end(first.size() - 2);
     std::vector<std::uint8_t> seen(first.size() - 2, 0);
-    for (std::size_t i = 0; i + 2 < first.size(); ++i)
-      seen[i] = open(first[i], begin[i]) && close(last[i], end[i]) &&
-                (inside(begin[i]) || inside(end[i]));
+    Vector2f least(1e9f, 1e9f), most(-1e9f, -1e9f);
+    std::size_t hidden = 0;
+    for (std::size_t i = 0; i + 2 < first.size(); ++i) {
+      seen[i] = open(first[i], begin[i]) && close(last[i], end[i]);
+      if (!seen[i]) {
+        ++hidden;
+        continue;
+      }
+      least = least.cwiseMin(begin[i]).cwiseMin(end[i]);
+      most = most.cwiseMax(begin[i]).cwiseMax(end[i]);
+    }
+    if (hidden == seen.size()) return;
+    if (hidden > 0) {
+      // Partly behind the camera or beyond its lens: anywhere.
+      least = {0, 0};
+      most = {static_cast<float>(width), static_cast<float>(height)};
+    }
+    const auto tile_of = [&](float pixel, int limit) {
+      return static_cast<int>(
+          std::clamp(pixel / static_cast<float>(tile), -1.0f, static_cast<float>(limit)));
+    };
+    const float slack = 2 + 0.02f * (most - least).maxCoeff();  // sides bend with the lens
+    if (most.x() < -slack || most.y() < -slack || least.x() > static_cast<float>(width) + slack ||
+        least.y() > static_cast<float>(height) + slack)
+      return;
+    for (int j = std::max(tile_of(least.y() - slack, rows), 0);
+         j <= std::min(tile_of(most.y() + slack, rows), rows - 1); ++j)
+      for (int i = std::max(tile_of(least.x() - slack, columns), 0);
+           i <= std::min(tile_of(most.x() + slack, columns), columns - 1); ++i)
+        std::atomic_ref(out.tiles[static_cast<std::size_t>(j * columns + i)])
+            .store(1, std::memory_order_relaxed);
     // Sides of triangles; vertices may be several pixels apart.
     for (const auto& triangle : figure.body->triangles) {
-      if (!seen[triangle[0]] && !seen[triangle[1]] && !seen[triangle[2]]) continue;
       const Vector2f &a = begin[triangle[0]], &b = begin[triangle[1]], &c = begin[triangle[2]];
       const Vector2f &d = end[triangle[0]], &e = end[triangle[1]], &g = end[triangle[2]];
       if (!seen[triangle[0]] || !seen[triangle[1]] || !seen[triangle[2]]) continue;
@@ -127,7 +153,7 @@ std::vector<std::uint8_t> mark_thin(const Exposure& exposure, const Moment& mome
           mark_segment(marks, width, height, p, q);
       }
   }
-  return marks;
+  return out;
 }
 
 }  // namespace touchline::sim::render

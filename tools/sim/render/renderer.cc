@@ -20,6 +20,7 @@ namespace touchline::sim::render {
 namespace {
 
 constexpr int kTile = 32;  // pixels
+constexpr int kBlock = 8;
 constexpr int kMostSamples = 64;
 constexpr std::size_t kMoments = 3;  // kept for cameras of the same time
 
@@ -116,7 +117,7 @@ class Frame {
     columns_ = (model.width + kTile - 1) / kTile;
     rows_ = (model.height + kTile - 1) / kTile;
     net_bits_ = nets.by_tile(exposure, kTile, columns_, rows_);
-    thin_ = mark_thin(exposure, moment, ground.world());
+    outlines_ = find_outlines(exposure, moment, ground.world(), kTile);
   }
 
   void first_pass() {
@@ -136,12 +137,13 @@ class Frame {
     Picture out;
     out.radiance = image::Image<std::array<float, 3>>(buffers_.width, buffers_.height);
     out.matte = image::Image<std::uint8_t>(buffers_.width, buffers_.height);
-    for (std::size_t i = 0; i < buffers_.sums.size(); ++i) {
-      const auto& s = buffers_.sums[i];
-      out.radiance.data()[i] = {s[0], s[1], s[2]};
-      out.matte.data()[i] =
-          static_cast<std::uint8_t>(std::lround(255 * std::clamp(s[3], 0.0f, 1.0f)));
-    }
+    tbb::parallel_for(0, buffers_.height, [&](int y) {
+      for (int x = 0; x < buffers_.width; ++x) {
+        const auto& s = buffers_.sums[static_cast<std::size_t>(y * buffers_.width + x)];
+        out.radiance(x, y) = {s[0], s[1], s[2]};
+        out.matte(x, y) = static_cast<std::uint8_t>(255 * std::clamp(s[3], 0.0f, 1.0f) + 0.5f);
+      }
+    });
     return out;
   }
   const Shader& shader() const { return shader_; }
@@ -177,8 +179,11 @@ class Frame {
   // Collects the samples of a few pixels into packets.
   class Queue {
    public:
-    Queue(Frame& frame, std::uint32_t nets, const Eigen::Vector2f& motion)
-        : frame_(frame), nets_(nets), motion_(motion) {}
+    Queue(Frame& frame, int tile, const Eigen::Vector2f& motion)
+        : frame_(frame),
+          nets_(frame.net_bits_[static_cast<std::size_t>(tile)]),
+          figures_(frame.outlines_.tiles[static_cast<std::size_t>(tile)] != 0),
+          motion_(motion) {}
     ~Queue() { flush(); }
     Queue(const Queue&) = delete;
     Queue& operator=(const Queue&) = delete;
@@ -200,6 +205,7 @@ class Frame {
         lane.smear_x = motion_.x() * per;
         lane.smear_y = motion_.y() * per;
         lane.nets = nets_;
+        lane.figures = figures_;
         lane.lone = p.points.size() < 4;
         pixels_[static_cast<std::size_t>(used_)] = pixel;
         weights_[static_cast<std::size_t>(used_)] = per;
@@ -227,6 +233,7 @@ class Frame {
    private:
     Frame& frame_;
     std::uint32_t nets_;
+    bool figures_;
     Eigen::Vector2f motion_;
     std::array<Lane, kLanes> lanes_;
     std::array<std::size_t, kLanes> pixels_{};
@@ -238,15 +245,40 @@ class Frame {
     const Rectangle r = rectangle(tile);
     const Eigen::Vector2f motion = motion_of(r);
     const int least = least_samples(motion);
-    Queue queue(*this, net_bits_[static_cast<std::size_t>(tile)], motion);
+    Queue queue(*this, tile, motion);
+    const std::vector<bool> stands = blocks_with_stands(r);
     // Blocks of four by two make coherent packets.
     for (int y = r.y0; y < r.y1; y += 2)
       for (int x = r.x0; x < r.x1; x += 4)
         for (int j = y; j < std::min(y + 2, r.y1); ++j)
           for (int i = x; i < std::min(x + 4, r.x1); ++i) {
-            const bool thin = thin_[static_cast<std::size_t>(j * buffers_.width + i)] != 0;
-            queue.add(i, j, thin ? std::max(least, 4) : least);
+            const bool thin = outlines_.thin[static_cast<std::size_t>(j * buffers_.width + i)] != 0;
+            const bool stand = stands[static_cast<std::size_t>(
+                (j - r.y0) / kBlock * (kTile / kBlock) + (i - r.x0) / kBlock)];
+            const int usual = stand ? std::max(least, std::min(options_.crowd_samples, 4)) : least;
+            queue.add(i, j, thin ? std::max(least, 4) : usual);
           }
+  }
+
+  // Whether the middle of each block of a tile shows seats: those take their samples at once.
+  std::vector<bool> blocks_with_stands(const Rectangle& r) const {
+    constexpr int kAcross = kTile / kBlock;
+    std::vector<bool> found(kAcross * kAcross, false);
+    const Pattern& p = pattern(1);
+    std::array<Lane, kLanes> lanes;
+    for (int first = 0; first < kAcross * kAcross; first += kLanes) {
+      for (int k = 0; k < kLanes; ++k) {
+        Lane& lane = lanes[static_cast<std::size_t>(k)];
+        lane.x = static_cast<float>(r.x0 + (first + k) % kAcross * kBlock) + 0.5f * kBlock;
+        lane.y = static_cast<float>(r.y0 + (first + k) / kAcross * kBlock) + 0.5f * kBlock;
+        lane.camera = &p.cameras[0];
+        lane.figures = false;
+      }
+      const std::uint32_t bits = shader_.meets_stand(lanes.data(), kLanes);
+      for (int k = 0; k < kLanes; ++k)
+        found[static_cast<std::size_t>(first + k)] = (bits >> k) & 1u;
+    }
+    return found;
   }
 
   int wanted_at(int x, int y) const {
@@ -269,7 +301,7 @@ class Frame {
 
   void second_tile(int tile) {
     const Rectangle r = rectangle(tile);
-    Queue queue(*this, net_bits_[static_cast<std::size_t>(tile)], motion_of(r));
+    Queue queue(*this, tile, motion_of(r));
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x) {
         const int count = wanted_[static_cast<std::size_t>(y * buffers_.width + x)];
@@ -287,7 +319,7 @@ class Frame {
   std::vector<std::pair<int, Pattern>> patterns_;
   int columns_ = 0, rows_ = 0;
   std::vector<std::uint32_t> net_bits_;
-  std::vector<std::uint8_t> thin_;
+  Outlines outlines_;
   std::vector<int> wanted_;
   Buffers buffers_{};
 };

@@ -18,8 +18,39 @@ constexpr std::uint32_t kKindTier = 8;    // and the side
 constexpr std::uint32_t kKindSolid = 64;  // and the surface
 constexpr std::uint32_t kKindFigure = 1u << 20;
 
-// Points of a disc, evenly spread, for shadows of wide lamps.
+// Rays to a wide lamp where a pixel has one sample only.
 constexpr int kDiscRays = 4;
+
+// Points of the unit disc: kDiscRays rings of equal area by turns of the circle.
+constexpr std::uint32_t kTurns = 32;
+struct Disc {
+  std::array<std::array<float, 2>, kDiscRays * kTurns> points;
+  Disc() : points() {
+    for (std::uint32_t ring = 0; ring < kDiscRays; ++ring)
+      for (std::uint32_t turn = 0; turn < kTurns; ++turn) {
+        const float r = std::sqrt((static_cast<float>(ring) + 0.5f) / kDiscRays);
+        const float a =
+            6.2831853f * (static_cast<float>(turn) / kTurns + static_cast<float>(ring) / kDiscRays);
+        points[ring * kTurns + turn] = {r * std::cos(a), r * std::sin(a)};
+      }
+  }
+};
+const Disc& disc() {
+  static const Disc points;
+  return points;
+}
+
+// x to the power of 8 n.
+float power8(float x, int n) {
+  const float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4;
+  float y = x8;
+  for (int i = 1; i < n; ++i) y *= x8;
+  return y;
+}
+
+float fog_left(float depth) {
+  return depth < 0.2f ? 1 - depth * (1 - 0.5f * depth * (1 - depth / 3)) : std::exp(-depth);
+}
 
 }  // namespace
 
@@ -48,6 +79,7 @@ Shader::Shader(const Ground& ground, const Moment& moment, const Nets& nets, dou
       ray_mask_(ray_mask),
       shadows_(shadows),
       lighting_(world_.light.at(time_s)),
+      crowd_(world_.crowd.pose(time_s)),
       crown_(world_.pitch.crown_m),
       half_width_(world_.pitch.width_m / 2) {
   // Behind thick clouds there is no sun among the lamps.
@@ -64,9 +96,7 @@ void Shader::trace(const Lane* lanes, int count, Sample* samples) const {
   for (int i = 0; i < count; ++i) finish(lanes[i], i, points, samples[i]);
 }
 
-void Shader::find(const Lane* lanes, int count, Points& p, Sample* samples) const {
-  RTCRayHit8 rays;
-  alignas(32) std::array<int, kLanes> valid{};
+void Shader::aim(const Lane* lanes, int count, Points& p, RTCRayHit8& rays) const {
   const double q = crown_ / (half_width_ * half_width_);
   for (int i = 0; i < count; ++i) {
     const Lane& lane = lanes[i];
@@ -102,7 +132,6 @@ void Shader::find(const Lane* lanes, int count, Points& p, Sample* samples) cons
       if (t3 > 0 && t3 < best && std::abs(oy + t3 * ry) >= half_width_) best = t3;
     }
     p.turf[i] = static_cast<float>(best);
-    valid[static_cast<std::size_t>(i)] = -1;
   }
   for (int i = 0; i < count; ++i) {
     rays.ray.org_x[i] = p.origin[i].x();
@@ -120,10 +149,37 @@ void Shader::find(const Lane* lanes, int count, Points& p, Sample* samples) cons
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
+  alignas(32) std::array<int, kLanes> valid{};
+  for (int i = 0; i < count; ++i) valid[static_cast<std::size_t>(i)] = -1;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid.data(), moment_.scene(), &context, &rays);
+  rtcIntersect8(valid.data(), ground_.scene(), &context, &rays);
+  bool any = false;
+  for (int i = 0; i < count; ++i) {
+    if (!lanes[i].figures) valid[static_cast<std::size_t>(i)] = 0;
+    any = any || lanes[i].figures;
+  }
+  if (any) rtcIntersect8(valid.data(), moment_.scene(), &context, &rays);
+}
+
+std::uint32_t Shader::meets_stand(const Lane* lanes, int count) const {
+  RTCRayHit8 rays;
+  Points points;
+  aim(lanes, count, points, rays);
+  std::uint32_t bits = 0;
+  for (int i = 0; i < count; ++i) {
+    const unsigned geometry = rays.hit.geomID[i];
+    if (geometry < kTierGeometry || geometry >= kRoofGeometry) continue;
+    const std::uint16_t surface = ground_.mesh(geometry).surface[rays.hit.primID[i]];
+    if (world_.structure.surfaces[surface].material == world::Material::kTier) bits |= 1u << i;
+  }
+  return bits;
+}
+
+void Shader::find(const Lane* lanes, int count, Points& p, Sample* samples) const {
+  RTCRayHit8 rays;
+  aim(lanes, count, p, rays);
   for (int i = 0; i < count; ++i) {
     const Vector3f d(p.dx[i], p.dy[i], p.dz[i]);
     const float norm = d.norm();
@@ -150,7 +206,6 @@ void Shader::find(const Lane* lanes, int count, Points& p, Sample* samples) cons
     } else if (geometry >= kFigureGeometry) {
       figure_point(i, geometry - kFigureGeometry, rays.hit.primID[i], rays.hit.u[i], rays.hit.v[i],
                    p, samples[i]);
-      if (moment_.figures()[geometry - kFigureGeometry].close.positions.empty()) continue;
     } else {
       solid_point(lanes[i], i, geometry, rays.hit.primID[i], p, samples[i]);
     }
@@ -218,7 +273,7 @@ void Shader::solid_point(const Lane& lane, int i, unsigned geometry, unsigned pr
     }
     case world::Material::kTier: {
       const world::Tier& tier = world_.structure.stands[static_cast<std::size_t>(surface.side)];
-      const world::CrowdHit hit = world_.crowd.at(tier, surface.side, p.position[i], d, time_s_);
+      const world::CrowdHit hit = world_.crowd.at(tier, surface.side, crowd_, p.position[i], d);
       p.place[i] = Place::kStand;
       sample.kind = kKindTier + static_cast<std::uint32_t>(surface.side);
       sample.stand = true;
@@ -285,28 +340,43 @@ void Shader::light(const Lane* lanes, int count, Points& p, Sample* samples) con
     const world::Lamp& lamp = lighting_.lamps[l];
     std::array<Vector3f, kLanes> to;
     std::array<float, kLanes> cosine{}, open{};
-    alignas(32) std::array<int, kLanes> ask{};
+    alignas(32) std::array<int, kLanes> ask_ground{}, ask_figures{};
     bool any = false, wide = false;
     for (int i = 0; i < count; ++i) {
-      if (p.place[i] == Place::kNothing) continue;
-      to[i] = lamp.distant ? lamp.towards : Vector3f(lamp.position - p.position[i]);
-      const float reach = lamp.distant ? 1.0f : to[i].norm();
-      cosine[i] = p.normal[i].dot(to[i]) / reach;
-      if (cosine[i] <= 0) continue;
-      open[i] = 1;
-      if (p.place[i] == Place::kTurf) {
-        const CellLight cell = cells_[l]->at(p.position[i].x(), p.position[i].y());
-        if (cell == CellLight::kDark) open[i] = 0;
-        if (cell == CellLight::kAsk && shadows_) {
-          ask[static_cast<std::size_t>(i)] = -1;
-          wide = wide || (lanes[i].lone && !lamp.sun);
+      const auto k = static_cast<std::size_t>(i);
+      if (p.place[k] == Place::kNothing) continue;
+      const Vector3f& at = p.position[k];
+      to[k] = lamp.distant ? lamp.towards : Vector3f(lamp.position - at);
+      const float reach = lamp.distant ? 1.0f : to[k].norm();
+      cosine[k] = p.normal[k].dot(to[k]) / reach;
+      if (cosine[k] <= 0) continue;
+      open[k] = 1;
+      if (p.place[k] == Place::kTurf) {
+        const CellLight cell = cells_[l]->at(at.x(), at.y());
+        if (!shadows_) continue;
+        if (cell.dark) {
+          open[k] = 0;
+        } else {
+          ask_ground[k] = cell.ask_ground ? -1 : 0;
+          ask_figures[k] = cell.ask_figures ? -1 : 0;
+          wide = wide || (lanes[i].lone && (cell.ask_ground || cell.ask_figures));
         }
-      } else if (p.place[i] == Place::kStand && !lamp.sun) {
-        open[i] = 0.6f;  // seats are dense: the lamps' shadows among them are not told apart
+      } else if (p.place[k] == Place::kStand) {
+        // Seats are dense: only the roof's shadow on them is told apart, and only the sun's.
+        if (lamp.sun && shadows_) {
+          ask_ground[k] = -1;
+        } else {
+          open[k] = 0.6f;
+        }
       } else if (shadows_) {
-        ask[static_cast<std::size_t>(i)] = -1;
+        // The turf where the ray backwards meets it knows what stands in the light's way.
+        const float back =
+            std::max(at.z() + static_cast<float>(crown_), 0.0f) / std::max(to[k].z(), 0.02f);
+        const CellLight cell = cells_[l]->at(at.x() - back * to[k].x(), at.y() - back * to[k].y());
+        ask_ground[k] = cell.ask_ground || cell.dark ? -1 : 0;
+        ask_figures[k] = -1;
       }
-      any = any || ask[static_cast<std::size_t>(i)] != 0;
+      any = any || ask_ground[k] != 0 || ask_figures[k] != 0;
     }
     if (any) {
       const int rounds = wide ? kDiscRays : 1;
@@ -314,24 +384,24 @@ void Shader::light(const Lane* lanes, int count, Points& p, Sample* samples) con
       for (int round = 0; round < rounds; ++round) {
         RTCRay8 rays;
         for (int i = 0; i < kLanes; ++i) {
-          if (!ask[static_cast<std::size_t>(i)]) {
+          if (!ask_ground[static_cast<std::size_t>(i)] &&
+              !ask_figures[static_cast<std::size_t>(i)]) {
             rays.tnear[i] = 1;
             rays.tfar[i] = 0;
             continue;
           }
           const Vector3f from = p.position[i] + 0.006f * p.normal[i];
-          // A point of the lamp's disc; its turn depends on the place in the picture alone.
-          const std::uint32_t h =
-              world::hashed(static_cast<std::uint32_t>(l) * 31u + 5u,
-                            static_cast<std::uint32_t>(static_cast<int>(lanes[i].x * 16)),
-                            static_cast<std::uint32_t>(static_cast<int>(lanes[i].y * 16)));
-          const float turn = 6.2831853f * (world::unit(h) + static_cast<float>(round) / kDiscRays);
-          const float away = rounds > 1 ? std::sqrt((static_cast<float>(round) + 0.5f) / kDiscRays)
-                                        : std::sqrt(world::unit(world::mixed(h + 3u)));
-          const Vector3f axis = to[i].normalized();
+          // A point of the lamp's disc; which one depends on the place in the picture alone.
+          const std::uint32_t h = world::mixed(
+              static_cast<std::uint32_t>(static_cast<int>(lanes[i].x * 16)) * 0x9e37u +
+              static_cast<std::uint32_t>(static_cast<int>(lanes[i].y * 16)) * 0x85ebca6bu +
+              static_cast<std::uint32_t>(l));
+          const std::uint32_t ring =
+              rounds > 1 ? static_cast<std::uint32_t>(round) : (h >> 8) % kDiscRays;
+          const auto& [du, dv] = disc().points[ring * kTurns + h % kTurns];
+          const Vector3f axis = lamp.distant ? lamp.towards : Vector3f(to[i].normalized());
           const Vector3f side = axis.unitOrthogonal(), other = axis.cross(side);
-          const Vector3f target =
-              to[i] + lamp.radius * away * (std::cos(turn) * side + std::sin(turn) * other);
+          const Vector3f target = to[i] + lamp.radius * (du * side + dv * other);
           rays.org_x[i] = from.x();
           rays.org_y[i] = from.y();
           rays.org_z[i] = from.z();
@@ -345,15 +415,15 @@ void Shader::light(const Lane* lanes, int count, Points& p, Sample* samples) con
           rays.id[i] = 0;
           rays.flags[i] = 0;
         }
-        rtcOccluded8(ask.data(), moment_.scene(), &context, &rays);
+        rtcOccluded8(ask_ground.data(), ground_.scene(), &context, &rays);
+        // Rays that are blocked already have a negative end and are not traced again.
+        rtcOccluded8(ask_figures.data(), moment_.scene(), &context, &rays);
         for (int i = 0; i < count; ++i)
-          if (ask[static_cast<std::size_t>(i)] && rays.tfar[i] < 0)
-            ++blocked[static_cast<std::size_t>(i)];
+          if (rays.tfar[i] < 0) ++blocked[static_cast<std::size_t>(i)];
       }
       for (int i = 0; i < count; ++i)
-        if (ask[static_cast<std::size_t>(i)])
-          open[i] *= 1 - static_cast<float>(blocked[static_cast<std::size_t>(i)]) /
-                             static_cast<float>(rounds);
+        open[i] *= 1 - static_cast<float>(blocked[static_cast<std::size_t>(i)]) /
+                           static_cast<float>(rounds);
     }
     for (int i = 0; i < count; ++i) {
       if (p.place[i] == Place::kNothing) continue;
@@ -367,9 +437,8 @@ void Shader::light(const Lane* lanes, int count, Points& p, Sample* samples) con
       if (shine <= 0.12f) continue;
       const Vector3f half = (to[i].normalized() - p.direction[i]).normalized();
       const float peak = std::max(half.dot(p.normal[i]), 0.0f);
-      const float tight = p.place[i] == Place::kTurf ? 90.0f : 24.0f;
-      p.emission[i] += colour * (shine * shine * (p.place[i] == Place::kTurf ? 0.5f : 0.25f) *
-                                 std::pow(peak, tight));
+      const bool wet = p.place[i] == Place::kTurf;
+      p.emission[i] += colour * (shine * shine * (wet ? 0.5f : 0.25f) * power8(peak, wet ? 11 : 3));
     }
   }
 }
@@ -386,7 +455,7 @@ void Shader::finish(const Lane& lane, int i, const Points& p, Sample& sample) co
       c += mirror * (0.5f * lighting_.horizon + 0.4f * lighting_.above);
     }
   }
-  const float clear = std::exp(-lighting_.extinction * std::min(p.distance[i], 2000.0f));
+  const float clear = fog_left(lighting_.extinction * std::min(p.distance[i], 2000.0f));
   c = lighting_.fog + clear * (c - lighting_.fog);
   sample.colour = {c.x(), c.y(), c.z()};
   if (lane.nets) cover_by_nets(lane, i, p, sample);

@@ -20,7 +20,8 @@ struct Lane {
   float size = 1;                  // width of the sample, pixels
   float smear_x = 0, smear_y = 0;  // how far the picture moves within this sample's time, pixels
   std::uint32_t nets = 0;
-  bool lone = true;  // the pixel's only sample: take several rays to wide lamps
+  bool figures = true;  // people or the ball may be seen here
+  bool lone = true;     // the pixel's only sample: take several rays to wide lamps
 };
 
 struct Sample {
@@ -38,10 +39,13 @@ class Shader {
   Shader(const Ground& ground, const Moment& moment, const Nets& nets, double time_s,
          std::uint32_t ray_mask, bool shadows);
   void trace(const Lane* lanes, int count, Sample* samples) const;
+  // Whether the rays of up to eight lanes meet the seats of a stand, a bit each.
+  std::uint32_t meets_stand(const Lane* lanes, int count) const;
   const world::Lighting& lighting() const { return lighting_; }
 
  private:
   struct Points;
+  void aim(const Lane* lanes, int count, Points& points, RTCRayHit8& rays) const;
   void find(const Lane* lanes, int count, Points& points, Sample* samples) const;
   void turf_point(const Lane& lane, int i, Points& points, Sample& sample) const;
   void solid_point(const Lane& lane, int i, unsigned geometry, unsigned primitive, Points& points,
@@ -60,6 +64,7 @@ class Shader {
   std::uint32_t ray_mask_;
   bool shadows_;
   world::Lighting lighting_;
+  world::CrowdPose crowd_;
   std::vector<const LightCells*> cells_;  // of each lamp of lighting_
   double crown_, half_width_;
 };

@@ -37,64 +37,104 @@ const std::array<Colour, 4> kHair = {{{0.015f, 0.012f, 0.01f},
 
 }  // namespace
 
-Crowd::Crowd(const WorldSpec& spec, std::uint64_t seed)
+Crowd::Crowd(const WorldSpec& spec, const Structure& structure, std::uint64_t seed)
     : spec_(spec.crowd),
       seat_(spec.stands.seat_albedo),
-      wet_(static_cast<float>(spec.weather.wetness)),
-      stream_(stream_of(seed, "crowd")) {}
+      wet_(static_cast<float>(spec.weather.wetness)) {
+  const std::uint32_t stream = stream_of(seed, "crowd");
+  const auto share = static_cast<float>(spec_.occupancy);
+  const auto loyal = static_cast<float>(spec_.loyal);
+  for (int side = 0; side < kSides; ++side) {
+    const Tier& tier = structure.stands[static_cast<std::size_t>(side)];
+    if (!tier.present) continue;
+    Block& block = blocks_[static_cast<std::size_t>(side)];
+    block.columns = 2 * (static_cast<int>((tier.half_length + tier.depth) / kSeat) + 2);
+    const auto lane = static_cast<std::uint32_t>(side);
+    for (int row = 0; row < tier.rows; ++row)
+      for (int column = 0; column < block.columns; ++column) {
+        const int number = column - block.columns / 2;
+        const std::uint32_t h = hashed(stream + lane, static_cast<std::uint32_t>(number),
+                                       static_cast<std::uint32_t>(row));
+        // Stands fill by blocks: some are fuller than others.
+        const std::uint32_t part =
+            hashed(stream + 17u + lane, static_cast<std::uint32_t>((number + 100000) / kBlock),
+                   static_cast<std::uint32_t>(row / 14));
+        const float filled = share >= 1 ? 1.0f : share * (0.8f + 0.35f * unit(part));
+        Seat seat;
+        seat.taken = unit(h) < filled;
+        const std::uint32_t traits = mixed(h + 0x51ed27u), kind = mixed(traits + 3);
+        seat.phase = unit(traits) * 6.2832f;
+        seat.pace = 0.8f + 2.4f * unit(mixed(traits + 1));
+        seat.per_size = 1 / (0.92f + 0.16f * unit(mixed(traits + 2)));
+        seat.cap = (kind & 15u) == 3;
+        seat.hair = static_cast<std::uint8_t>((kind >> 4) % kHair.size());
+        seat.skin = static_cast<std::uint8_t>((kind >> 8) % kSkin.size());
+        seat.legs = static_cast<std::uint8_t>((kind >> 20) % 5);
+        const float pick = unit(mixed(traits + 4));
+        if (pick < 0.8f * loyal) {
+          seat.shirt = spec_.home;
+        } else if (pick < loyal) {
+          seat.shirt = spec_.away;
+        } else {
+          seat.shirt = kClothes[(kind >> 12) % kClothes.size()];
+        }
+        seat.shirt *= 0.55f + 0.55f * unit(mixed(traits + 6));
+        block.seats.push_back(seat);
+      }
+  }
+}
+
+CrowdPose Crowd::pose(double time_s) const {
+  CrowdPose pose;
+  const auto time = static_cast<float>(time_s);
+  const auto motion = static_cast<float>(spec_.motion);
+  for (std::size_t side = 0; side < blocks_.size(); ++side) {
+    pose.seats[side].resize(blocks_[side].seats.size());
+    for (std::size_t i = 0; i < pose.seats[side].size(); ++i) {
+      const Seat& seat = blocks_[side].seats[i];
+      if (!seat.taken) continue;
+      CrowdPose::Seat& now = pose.seats[side][i];
+      const float turn = seat.pace * time;
+      now.wave = motion * std::sin(turn + seat.phase);
+      // Now and then somebody gets up.
+      const float mood = std::sin(0.13f * turn + 5 * seat.phase);
+      now.up = std::clamp((mood - 0.93f) * 14 * motion, 0.0f, 1.0f) * 0.42f;
+      now.lean = 0.018f * now.wave + motion * 0.01f * std::sin(2.3f * turn + 2 * seat.phase);
+    }
+  }
+  return pose;
+}
 
 // Whether (u, h) metres from the middle of a seat and above the tread meets the one who sits there.
-bool Crowd::person(std::uint32_t seat, float u, float h, bool from_behind, float time,
-                   Colour& colour, float& bulge) const {
-  const auto motion = static_cast<float>(spec_.motion);
-  const std::uint32_t traits = mixed(seat + 0x51ed27u);
-  const float phase = unit(traits) * 6.2832f;
-  const float pace = 0.8f + 2.4f * unit(mixed(traits + 1));
-  const float wave = std::sin(pace * time + phase);
-  // Now and then somebody gets up.
-  const float mood = std::sin(0.13f * pace * time + 5 * phase);
-  const float up = std::clamp((mood - 0.93f) * 14 * motion, 0.0f, 1.0f) * 0.42f;
-  const float lean = motion * (0.018f * wave + 0.01f * std::sin(2.3f * pace * time + 2 * phase));
-  const float size = 0.92f + 0.16f * unit(mixed(traits + 2));
-  u -= lean * (0.4f + h);
-  h = (h - up) / size;
-  u /= size;
-  const float head_x = u - 0.03f * wave * motion, head_y = h - 1.13f;
-  const float head = head_x * head_x / (0.085f * 0.085f) + head_y * head_y / (0.125f * 0.125f);
-  const std::uint32_t kind = mixed(traits + 3);
+bool Crowd::person(const Seat& seat, const CrowdPose::Seat& pose, float u, float h,
+                   bool from_behind, Colour& colour, float& bulge) const {
+  u = (u - pose.lean * (0.4f + h)) * seat.per_size;
+  h = (h - pose.up) * seat.per_size;
+  const float head_x = u - 0.03f * pose.wave, head_y = h - 1.13f;
+  const float head =
+      head_x * head_x * (1 / (0.085f * 0.085f)) + head_y * head_y * (1 / (0.125f * 0.125f));
   if (head < 1) {
     const bool hair = from_behind ? head_y > -0.07f : head_y > 0.045f;
-    colour = hair ? kHair[(kind >> 4) % kHair.size()] : kSkin[(kind >> 8) % kSkin.size()];
-    if ((kind & 15u) == 3 && head_y > 0.03f) colour = Colour(0.4f, 0.05f, 0.05f);  // a cap
-    bulge = head_x / 0.085f;
+    colour = hair ? kHair[seat.hair] : kSkin[seat.skin];
+    if (seat.cap && head_y > 0.03f) colour = Colour(0.35f, 0.05f, 0.05f);
+    bulge = head_x * (1 / 0.085f);
     return true;
   }
   const float shoulder = 0.23f - std::max(0.0f, h - 0.86f) * 1.1f;
   if (h < 1.0f && std::abs(u) < shoulder) {
-    const float pick = unit(mixed(traits + 4));
-    const auto loyal = static_cast<float>(spec_.loyal);
-    if (pick < 0.8f * loyal) {
-      colour = spec_.home;
-    } else if (pick < loyal) {
-      colour = spec_.away;
-    } else {
-      colour = kClothes[(kind >> 12) % kClothes.size()];
-    }
-    colour *= 0.75f + 0.5f * unit(mixed(traits + 6));
-    if (!from_behind && h < 0.55f && std::abs(u) > 0.03f)
-      colour = kClothes[(kind >> 20) % 5] * 0.8f;  // legs
-    const float hand = h - 0.52f - 0.04f * wave * motion;
+    colour = seat.shirt;
+    if (!from_behind && h < 0.55f && std::abs(u) > 0.03f) colour = kClothes[seat.legs] * 0.8f;
+    const float hand = h - 0.52f - 0.04f * pose.wave;
     if (!from_behind && std::abs(hand) < 0.05f && std::abs(std::abs(u) - 0.09f) < 0.05f)
-      colour = kSkin[(kind >> 8) % kSkin.size()];
-    bulge = u / 0.23f;
+      colour = kSkin[seat.skin];
+    bulge = u * (1 / 0.23f);
     return true;
   }
   // Arms in the air, of few.
-  if (up > 0.05f && motion > 0) {
-    const float arm_x = std::abs(u) - 0.22f - 0.12f * (h - 1.0f) * (1 + 0.5f * wave);
-    if (h >= 0.8f && h < 1.5f && std::abs(arm_x) < 0.045f) {
-      colour =
-          h > 1.38f ? kSkin[(kind >> 8) % kSkin.size()] : kClothes[(kind >> 12) % kClothes.size()];
+  if (pose.up > 0.05f && h >= 0.8f && h < 1.5f) {
+    const float arm_x = std::abs(u) - 0.22f - 0.12f * (h - 1.0f) * (1 + 0.5f * pose.wave);
+    if (std::abs(arm_x) < 0.045f) {
+      colour = h > 1.38f ? kSkin[seat.skin] : seat.shirt;
       bulge = 0;
       return true;
     }
@@ -102,9 +142,11 @@ bool Crowd::person(std::uint32_t seat, float u, float h, bool from_behind, float
   return false;
 }
 
-CrowdHit Crowd::at(const Tier& tier, int side, const Eigen::Vector3f& entry,
-                   const Eigen::Vector3f& direction, double time_s) const {
+CrowdHit Crowd::at(const Tier& tier, int side, const CrowdPose& pose, const Eigen::Vector3f& entry,
+                   const Eigen::Vector3f& direction) const {
   CrowdHit hit;
+  const Block& block = blocks_[static_cast<std::size_t>(side)];
+  const auto& poses = pose.seats[static_cast<std::size_t>(side)];
   const Eigen::Vector3f from_foot = entry - tier.foot;
   const float s0 = from_foot.dot(tier.along), w0 = from_foot.dot(tier.outward), z0 = from_foot.z();
   const float ds = direction.dot(tier.along), dw = direction.dot(tier.outward), dz = direction.z();
@@ -112,7 +154,6 @@ CrowdHit Crowd::at(const Tier& tier, int side, const Eigen::Vector3f& entry,
   const float speed = std::abs(dw) < 1e-4f ? (outward ? 1e-4f : -1e-4f) : dw;
   const float place = w0 / kRowDepth - kPlane;
   int row = static_cast<int>(outward ? std::ceil(place) : std::floor(place));
-  const auto time = static_cast<float>(time_s);
   float t = 0;
   for (int steps = 0; steps < 12; ++steps, row += outward ? 1 : -1) {
     const float plane = (static_cast<float>(row) + kPlane) * kRowDepth;
@@ -144,19 +185,13 @@ CrowdHit Crowd::at(const Tier& tier, int side, const Eigen::Vector3f& entry,
     const auto seat_number = static_cast<int>(column);
     const int in_block = seat_number % kBlock;
     if (in_block == 0 || in_block == 1 || in_block == -1) continue;  // an aisle
-    const std::uint32_t seat =
-        hashed(stream_ + static_cast<std::uint32_t>(side), static_cast<std::uint32_t>(seat_number),
-               static_cast<std::uint32_t>(row));
+    const int place_in_row = std::clamp(seat_number + block.columns / 2, 0, block.columns - 1);
+    const auto index = static_cast<std::size_t>(row * block.columns + place_in_row);
     const float u = s - (column + 0.5f) * kSeat;
-    // Stands fill by blocks: some are fuller than others.
-    const std::uint32_t block = hashed(stream_ + 17u + static_cast<std::uint32_t>(side),
-                                       static_cast<std::uint32_t>((seat_number + 100000) / kBlock),
-                                       static_cast<std::uint32_t>(row / 14));
-    const auto share = static_cast<float>(spec_.occupancy);
-    const float filled = share >= 1 ? 1.0f : share * (0.8f + 0.35f * unit(block));
     Colour colour;
     float bulge = 0;
-    if (unit(seat) < filled && person(seat, u, h, !outward, time, colour, bulge)) {
+    if (block.seats[index].taken &&
+        person(block.seats[index], poses[index], u, h, !outward, colour, bulge)) {
       hit.albedo = colour;
       hit.normal = (outward ? -1.0f : 1.0f) * tier.outward + 0.7f * bulge * tier.along +
                    Eigen::Vector3f(0, 0, 0.35f);

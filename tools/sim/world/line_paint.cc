@@ -129,7 +129,7 @@ void LinePaint::add(const Stroke& s, LineCover& cover, int& partial, float x, fl
       ends *= edge_cover(off - 0.5f * kDash, t.a, t.b);
     }
   } else {
-    const float r = std::hypot(dx, dy);
+    const float r = std::sqrt(dx * dx + dy * dy);
     const float nx = r > 1e-6f ? dx / r : 1, ny = r > 1e-6f ? dy / r : 0;
     const Widths n = widths(f, nx, ny);
     const float reach = 0.5f * (n.a + n.b) + s.half_width;
@@ -141,6 +141,10 @@ void LinePaint::add(const Stroke& s, LineCover& cover, int& partial, float x, fl
       if (std::abs(r - s.radius) > reach) return;
       side = edge_cover(r - s.radius - s.half_width, n.a, n.b) -
              edge_cover(r - s.radius + s.half_width, n.a, n.b);
+      // Where the arc bends within the footprint its edge is not straight.
+      if (is_partial(side) &&
+          0.16f * s.radius < std::abs(f.ax) + std::abs(f.bx) + std::abs(f.ay) + std::abs(f.by))
+        ++partial;
       if (!s.whole) {
         // Beyond the start's half plane and before the end's.
         const Widths ws = widths(f, -s.ty, s.tx), we = widths(f, -s.ey, s.ex);

@@ -62,10 +62,16 @@ NoiseTile::NoiseTile(int log2_size, int octaves, int coarsest_first, float stret
       32.0f / static_cast<float>(std::sqrt(std::max(squares / n - mean * mean, 1e-12)));
   for (float& f : field) f = (f - mean) * scale;
   for (int level = 0, s = size; level < levels_; ++level, s /= 2) {
-    offset_[level] = static_cast<std::uint32_t>(texels_.size());
-    for (int i = 0; i < s * s; ++i)
-      texels_.push_back(static_cast<std::int8_t>(
-          std::lround(std::clamp(field[static_cast<std::size_t>(i)], -127.0f, 127.0f))));
+    offset_[level] = static_cast<std::uint32_t>(squares_.size());
+    const auto texel = [&](int x, int y) -> std::uint32_t {
+      const float value = field[static_cast<std::size_t>(y % s * s + x % s)];
+      const auto byte = static_cast<std::int8_t>(std::lround(std::clamp(value, -127.0f, 127.0f)));
+      return static_cast<std::uint8_t>(byte);
+    };
+    for (int y = 0; y < s; ++y)
+      for (int x = 0; x < s; ++x)
+        squares_.push_back(texel(x, y) | texel(x + 1, y) << 8 | texel(x, y + 1) << 16 |
+                           texel(x + 1, y + 1) << 24);
     if (s == 1) break;
     const int h = s / 2;
     std::vector<float> half(static_cast<std::size_t>(h) * static_cast<std::size_t>(h));

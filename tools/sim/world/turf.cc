@@ -1,7 +1,11 @@
 #include "tools/sim/world/turf.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace touchline::sim::world {
 namespace {
@@ -35,7 +39,14 @@ float value_noise(std::uint32_t stream, float x, float y) {
                    std::lerp(lattice(i, j + 1), lattice(i + 1, j + 1), sx), sy);
 }
 
-float log2_of(float x) { return x > 1 ? std::log2(x) : 0.0f; }
+// Base-two logarithm to 0.01, 0 below one.
+float log2_of(float x) {
+  if (!(x > 1)) return 0;
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const float mantissa = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u);
+  return static_cast<float>(static_cast<int>(bits >> 23) - 128) +
+         (-0.344845f * mantissa + 2.024658f) * mantissa - 0.674878f;
+}
 
 // A wave of stripes of width `w`: -1 and 1 with edges of `soft` metres.
 float stripes(float x, float w, float soft) {
@@ -108,20 +119,25 @@ Turf::Turf(const WorldSpec& spec, const pitch::PitchModel& pitch, std::uint64_t 
     }
 }
 
-float Turf::macro_at(float x, float y, int channel) const {
+Turf::Macro Turf::macro_at(float x, float y) const {
   const float u = std::clamp((x - macro_origin_x_) * (1 / kMacroCell), 0.0f,
                              static_cast<float>(macro_width_) - 1.01f);
   const float v = std::clamp((y - macro_origin_y_) * (1 / kMacroCell), 0.0f,
                              static_cast<float>(macro_height_) - 1.01f);
   const int i = static_cast<int>(u), j = static_cast<int>(v);
   const float pu = u - static_cast<float>(i), pv = v - static_cast<float>(j);
-  const std::uint8_t* row =
-      macro_.data() + 2 * (static_cast<std::ptrdiff_t>(j) * macro_width_ + i) + channel;
-  const std::uint8_t* next = row + 2 * macro_width_;
-  const auto f = [](std::uint8_t b) { return static_cast<float>(b); };
-  const float top = f(row[0]) + pu * (f(row[2]) - f(row[0]));
-  const float bottom = f(next[0]) + pu * (f(next[2]) - f(next[0]));
-  return top + pv * (bottom - top);
+  // Two neighbours of two channels in four bytes.
+  const auto row = [&](int k) {
+    std::int32_t bytes;
+    std::memcpy(&bytes, macro_.data() + 2 * (static_cast<std::ptrdiff_t>(k) * macro_width_ + i), 4);
+    return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)));
+  };
+  const __m128 top = row(j), bottom = row(j + 1);
+  const __m128 both = _mm_add_ps(top, _mm_mul_ps(_mm_set1_ps(pv), _mm_sub_ps(bottom, top)));
+  const __m128 right = _mm_movehl_ps(both, both);
+  const __m128 mixed = _mm_add_ps(both, _mm_mul_ps(_mm_set1_ps(pu), _mm_sub_ps(right, both)));
+  return {(_mm_cvtss_f32(mixed) - 128) * 0.01f,
+          _mm_cvtss_f32(_mm_shuffle_ps(mixed, mixed, 1)) * (1.0f / 255)};
 }
 
 // Grass bent away from the eye looks brighter than grass bent towards it.
@@ -152,10 +168,8 @@ TurfColour Turf::at(const TurfSample& sample) const {
   const Footprint& f = sample.footprint;
   TurfColour out;
   const float beyond = std::max(std::abs(x) - half_x_, std::abs(y) - half_y_);
-  const float long_side = std::sqrt(std::max(f.ax * f.ax + f.ay * f.ay, f.bx * f.bx + f.by * f.by));
-  const float short_side =
-      std::sqrt(std::min(f.ax * f.ax + f.ay * f.ay, f.bx * f.bx + f.by * f.by));
-  const float size = std::sqrt(long_side * std::max(short_side, 1e-5f));
+  const float size =
+      std::sqrt(std::sqrt((f.ax * f.ax + f.ay * f.ay) * (f.bx * f.bx + f.by * f.by)));
   // Grain: the same tile at three sizes, turned so that its repetition does not show.
   const float u = x * (1 / kFineTexel), v = y * (1 / kFineTexel);
   const float level = log2_of(size * (1 / kFineTexel));
@@ -169,7 +183,7 @@ TurfColour Turf::at(const TurfSample& sample) const {
         blade_.at(x * (1 / kBladeTexel), y * (1 / kBladeTexel), log2_of(size * (1 / kBladeTexel)));
   }
   const auto strength = static_cast<float>(spec_.texture);
-  const float tone = (macro_at(x, y, 0) - 128) * 0.01f;
+  const auto [tone, wear] = macro_at(x, y);
   if (beyond > 9.5f) {
     const float t = 1 + 0.05f * grain;
     out.albedo = (spec_.artificial ? kCarpet : kTrack) * t;
@@ -186,7 +200,6 @@ TurfColour Turf::at(const TurfSample& sample) const {
   grass.x() *= 1 + hue;
   grass.z() *= 1 - 0.5f * hue;
   grass *= std::max(brightness, 0.25f);
-  const float wear = macro_at(x, y, 1) * (1.0f / 255);
   if (wear > 0.02f) {
     const float w = std::clamp(wear * (1 + 0.35f * grain), 0.0f, 1.0f);
     const float dry = smooth(0.05f, 0.45f, w), soil = 0.85f * smooth(0.4f, 0.95f, w);

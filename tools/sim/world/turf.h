@@ -29,7 +29,10 @@ class Turf {
   TurfColour at(const TurfSample& sample) const;
 
  private:
-  float macro_at(float x, float y, int channel) const;
+  struct Macro {
+    float tone, wear;
+  };
+  Macro macro_at(float x, float y) const;
   float mowing(float x, float y, const TurfSample& sample) const;
 
   TurfSpec spec_;

@@ -13,9 +13,10 @@ base::Result<World> World::create(const WorldSpec& spec, const pitch::PitchModel
   if (auto status = validate(spec); !status) return base::fail(status.error());
   Structure structure = build_structure(spec, pitch);
   Light light(spec, structure, seed);
+  Crowd crowd(spec, structure, seed);
   return World(std::make_shared<const WorldData>(WorldData{
       spec, pitch, std::move(structure), Turf(spec, pitch, seed), BoardPaint(spec.boards, seed),
-      Crowd(spec, seed), std::move(light), stream_of(seed, "picture")}));
+      std::move(crowd), std::move(light), stream_of(seed, "picture")}));
 }
 
 const WorldSpec& World::spec() const { return data_->spec; }
