@@ -97,7 +97,7 @@ Lighting Light::at(double time_s) const {
   }
   const auto visibility = static_cast<float>(spec_.weather.visibility_m);
   out.extinction = 3.912f / visibility;
-  out.fog = (out.above + 0.35f * out.horizon) * 0.75f;
+  out.fog = (out.above + 0.35f * out.horizon) * 0.55f;
   if (!masts_.empty()) out.fog += Colour::Constant(0.10f * level);
   return out;
 }
