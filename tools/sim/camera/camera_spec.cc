@@ -184,11 +184,11 @@ base::Status TimingSpec::validate() const {
 base::Status CameraSpec::validate() const {
   const std::string at = "camera." + id.value;
   if (!base::is_valid(id)) {
-    return refuse("camera.id", "'" + id.value + "' is no camera id",
+    return refuse(at + ".id", "'" + id.value + "' is no camera id",
                   "use 1 to 32 letters, digits, '-' and '_'");
   }
   if (id.value.starts_with("virtual") || id.value == "mesh") {
-    return refuse("camera.id", "'" + id.value + "' is taken by the truth", "use another id");
+    return refuse(at + ".id", "'" + id.value + "' is taken by the truth", "use another id");
   }
   if (width < 64 || height < 64 || width > 8192 || height > 8192 || width % 4 != 0 ||
       height % 4 != 0) {
@@ -218,7 +218,7 @@ base::Status VirtualSpec::validate() const {
   const std::string at = "virtual." + id;
   if (id.size() != 9 || !id.starts_with("virtual") || id[7] < '0' || id[7] > '9' || id[8] < '0' ||
       id[8] > '9') {
-    return refuse("virtual.id", "'" + id + "' is no name of a virtual camera",
+    return refuse(at + ".id", "'" + id + "' is no name of a virtual camera",
                   "use \"virtual01\" to \"virtual99\"");
   }
   if (width < 64 || height < 64 || width > 8192 || height > 8192) {

@@ -1,6 +1,7 @@
 #include "tools/sim/output/recording_run.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
@@ -101,6 +102,8 @@ class Run {
         match_(match),
         root_(root),
         options_(options),
+        workers_(tbb::global_control::max_allowed_parallelism,
+                 static_cast<std::size_t>(options.threads)),
         arena_(options.threads),
         targets_(arena_.execute([&] { return Targets(scene, match); })) {}
 
@@ -308,6 +311,7 @@ class Run {
   const Match& match_;
   const fs::path root_;
   const RunOptions& options_;
+  const tbb::global_control workers_;  // as many threads as are asked for, whatever the machine has
   mutable tbb::task_arena arena_;
   const Targets targets_;
   std::vector<std::unique_ptr<CameraTrack>> tracks_;

@@ -203,7 +203,7 @@ void read_virtual(config::Table& t, std::size_t number, camera::VirtualSpec& s) 
   s.smooth_s = t.number("smooth_s", s.smooth_s);
   s.clean_every = static_cast<int>(t.integer("clean_every", s.clean_every, {0, 1000}));
   s.matte_every = static_cast<int>(t.integer("matte_every", s.matte_every, {0, 1000}));
-  note(t, s.validate());
+  note(t, s.validate(), "virtual." + s.id + ".");
 }
 
 }  // namespace
@@ -216,7 +216,7 @@ void read_cameras(config::Table& root, Scene& scene, double length_m, double wid
     if (!t.has("position")) t.required_text("position");
     spec.mount.position = triple(t, "position", spec.mount.position);
     spec.side = read_side(t, camera::side_of(spec.mount.position, length_m, width_m));
-    note(t, spec.validate());
+    note(t, spec.validate(), "camera." + spec.id.value + ".");
     scene.cameras.push_back(std::move(spec));
   }
   for (config::Table t : root.tables("rig")) {
@@ -238,7 +238,7 @@ void read_cameras(config::Table& root, Scene& scene, double length_m, double wid
                             (width_m / 2 + margin) * std::sin(angle),
                             least * (i % 2 == 0 ? 1.0 : 1.4)};
       one.side = camera::side_of(one.mount.position, length_m, width_m);
-      if (i == 0) note(t, one.validate());
+      if (i == 0) note(t, one.validate(), "camera." + one.id.value + ".");
       scene.cameras.push_back(std::move(one));
     }
   }

@@ -60,12 +60,13 @@ std::vector<std::vector<double>> rows(config::Table& table, std::string_view key
   return made;
 }
 
-void note(config::Table& table, const base::Status& status) {
+void note(config::Table& table, const base::Status& status, std::string_view prefix) {
   if (status) return;
-  const std::string& where = status.error().where;
-  const auto dot = where.find_last_of('.');
-  const std::string key = dot == std::string::npos ? where : where.substr(dot + 1);
-  table.reject(key, status.error().what, status.error().cure);
+  std::string key = status.error().where;
+  if (key.starts_with(prefix)) key.erase(0, prefix.size());
+  if (key.find('.') == std::string::npos) {
+    table.reject(key, status.error().what, status.error().cure);
+  }
 }
 
 }  // namespace touchline::sim::scene

@@ -26,14 +26,17 @@ std::array<double, 3> colour(config::Table& table, std::string_view key,
 // A flat list in rows of `columns` numbers; empty where the key is absent.
 std::vector<std::vector<double>> rows(config::Table& table, std::string_view key,
                                       std::size_t columns, std::string_view what);
-// What validate() of a part found, at the key it names (the last word of `where`).
-void note(config::Table& table, const base::Status& status);
+// What validate() of a part found, at the key it names: `where` is `prefix` and a key. What lies
+// deeper has been noted at its own table.
+void note(config::Table& table, const base::Status& status, std::string_view prefix = {});
 
 // The light, the ground and all that stands round it.
 void read_world(config::Table& root, world::WorldSpec& world);
 // [[kit]], [[team]], [[person]], [[group]] and [ball].
 void read_people(config::Table& root, const std::filesystem::path& folder, const Scene& scene,
                  double length_m, double width_m, people::CastSpec& cast);
+// Notes what is wrong with all of them together, at whom it is about.
+void check_people(config::Table& root, const people::CastSpec& cast);
 // [[camera]], [[rig]] and [[virtual]].
 void read_cameras(config::Table& root, Scene& scene, double length_m, double width_m);
 

@@ -256,8 +256,11 @@ void read_people(config::Table& root, const std::filesystem::path& folder, const
     if (root.has("ball")) {
       root.reject("ball", "a ball without people", "add a [[person]], or take [ball] out");
     }
-    return;
   }
+}
+
+void check_people(config::Table& root, const CastSpec& cast) {
+  if (cast.people.empty() && cast.groups.empty()) return;
   if (const auto status = people::validate(cast); !status) {
     // At whom it is about, where that can be told.
     const std::string& where = status.error().where;

@@ -140,7 +140,7 @@ base::Result<Scene> read_scene(const config::Document& document, const std::stri
   scene.sizes = read_sizes(pitch_table, {});
   const auto model = pitch::make_pitch(scene.sport, scene.sizes);
   if (!model) {
-    note(pitch_table, base::fail(model.error()));
+    note(pitch_table, base::fail(model.error()), "pitch.");
     if (auto status = document.finish(); !status) return base::fail(status.error());
     return base::fail(model.error());
   }
@@ -153,7 +153,7 @@ base::Result<Scene> read_scene(const config::Document& document, const std::stri
     if (scene.sport == pitch::Sport::kRugbyUnion) scene.stated.in_goal_m = model->in_goal_m;
   }
   if (const auto said = pitch::make_pitch(scene.sport, scene.stated); !said) {
-    note(stated, base::fail(said.error()));
+    note(stated, base::fail(said.error()), "pitch.");
   }
   config::Table truth = root.table("truth");
   scene.truth.mattes = truth.boolean("mattes", scene.truth.mattes);
@@ -163,6 +163,8 @@ base::Result<Scene> read_scene(const config::Document& document, const std::stri
   read_world(root, scene.world);
   read_people(root, folder, scene, model->length_m, model->width_m, scene.cast);
   read_cameras(root, scene, model->length_m, model->width_m);
+  if (auto status = document.finish(); !status) return base::fail(status.error());
+  check_people(root, scene.cast);
   if (auto status = document.finish(); !status) return base::fail(status.error());
   if (auto status = validate(scene); !status) {
     base::Error error = status.error();
