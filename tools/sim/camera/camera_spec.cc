@@ -238,6 +238,7 @@ base::Status VirtualSpec::validate() const {
                          {"deg_per_s", deg_per_s, -360, 360},
                          {"start_deg", start_deg, -720, 720},
                          {"eye_m", eye_m, 0.1, 3},
+                         {"ahead_m", ahead_m, 0, 3},
                          {"smooth_s", smooth_s, 0, 5},
                          {"clean_every", static_cast<double>(clean_every), 0, 1000},
                          {"matte_every", static_cast<double>(matte_every), 0, 1000}}));

@@ -184,8 +184,9 @@ struct VirtualSpec {
   double start_deg = -90;               // of kOrbit, from +X towards +Y
   double deg_per_s = 20;                // of kOrbit
   double eye_m = 1.72;                  // of kReferee and kGoalkeeper above the turf
-  double smooth_s = 0.4;                // an eye's way and gaze are means over this time; 0..5
-  int clean_every = 2;                  // frames; 0 = never
+  double ahead_m = 0.8;   // of an eye before the person's middle, who would fill the view; 0..3
+  double smooth_s = 0.4;  // an eye's way and gaze are means over this time; 0..5
+  int clean_every = 2;    // frames; 0 = never
   int matte_every = 2;
 
   base::Status validate() const;

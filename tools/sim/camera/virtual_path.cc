@@ -44,9 +44,8 @@ Pose virtual_pose(const VirtualSpec& spec, const pitch::PitchModel& pitch, const
     case PathKind::kGoalkeeper:
       eye = mean_of(target, spec.person, time_s, spec.smooth_s);
       eye.z() = pitch.turf_z(eye.y()) + spec.eye_m;
-      // The head lies ahead of the body: nobody films the inside of their own face.
       if (const Eigen::Vector2d ahead = (aim - eye).head<2>(); ahead.norm() > 1e-6) {
-        eye.head<2>() += 0.3 * ahead.normalized();
+        eye.head<2>() += spec.ahead_m * ahead.normalized();
       }
       break;
     case PathKind::kOffside: {

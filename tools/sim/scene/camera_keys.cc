@@ -200,6 +200,7 @@ void read_virtual(config::Table& t, std::size_t number, camera::VirtualSpec& s) 
   s.start_deg = t.number("start_deg", s.start_deg);
   s.deg_per_s = t.number("deg_per_s", s.deg_per_s);
   s.eye_m = t.number("eye_m", s.eye_m);
+  s.ahead_m = t.number("ahead_m", s.ahead_m);
   s.smooth_s = t.number("smooth_s", s.smooth_s);
   s.clean_every = static_cast<int>(t.integer("clean_every", s.clean_every, {0, 1000}));
   s.matte_every = static_cast<int>(t.integer("matte_every", s.matte_every, {0, 1000}));

@@ -43,7 +43,7 @@ TEST(VirtualPose, TheRefereesEyeGoesWithTheReferee) {
   const Pose pose = virtual_pose(spec, pitch_model(), walking, 2);
   const Eigen::Vector3d eye = geometry::origin(pose.cam_from_world);
   EXPECT_NEAR(eye.z(), spec.eye_m, 1e-6);
-  EXPECT_NEAR((eye - Eigen::Vector3d(4, -3, 0)).head<2>().norm(), 0.3, 0.02);
+  EXPECT_NEAR((eye - Eigen::Vector3d(4, -3, 0)).head<2>().norm(), spec.ahead_m, 0.02);
   expect_sees(pose, {20, 5, 0.11});
 }
 
