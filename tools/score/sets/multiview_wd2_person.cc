@@ -29,8 +29,10 @@ namespace {
 using Grey = image::Image<std::uint8_t>;
 using Rgb = image::Image<image::Rgb8>;
 
-constexpr double kHeight = 1.65;   // metres, of a person of whom nobody knows it
-constexpr double kRayStep = 0.01;  // metres, of the rays that are the hull's measure
+constexpr double kHeight = 1.65;      // metres, of a person of whom nobody knows it
+constexpr double kRayStep = 0.01;     // metres, of the rays that are the hull's measure
+constexpr double kBelowFloor = 0.04;  // metres; as the hull's
+constexpr double kTallest = 2.8;
 constexpr int kRayStride = 2;      // pixels
 constexpr double kRayReach = 1.3;  // metres before and behind the person's middle
 constexpr std::size_t kShown = 2;  // pictures of renderings
@@ -123,17 +125,21 @@ Overlap by_rays(const Wd2Rig& rig, std::size_t left_out) {
       if (nearest.head<2>().norm() < kRayReach) {
         for (double d = middle - kRayReach; d <= middle + kRayReach && !inside; d += kRayStep) {
           const Eigen::Vector3d point = eye + d * ray;
-          inside = true;
+          inside = point.z() > -kBelowFloor && point.z() < kTallest;
+          int support = 0;
           for (std::size_t i = 0; i < rig.cameras.size() && inside; ++i) {
             if (i == left_out) continue;
             const auto pixel = geometry::project(rig.cameras[i].estimate, point);
             if (!pixel || !rig.cameras[i].estimate.model.sees(*pixel)) continue;
             const Grey& mask = rig.cameras[i].mask;
-            inside =
-                mask(std::clamp(static_cast<int>(std::lround(pixel->x())), 0, mask.width() - 1),
-                     std::clamp(static_cast<int>(std::lround(pixel->y())), 0, mask.height() - 1)) >=
-                128;
+            const int u =
+                std::clamp(static_cast<int>(std::lround(pixel->x())), 0, mask.width() - 1);
+            const int v =
+                std::clamp(static_cast<int>(std::lround(pixel->y())), 0, mask.height() - 1);
+            inside = mask(u, v) >= 128;
+            support += inside;
           }
+          inside = inside && support >= 2;
         }
       }
       out.add(own.mask(x, y) >= 128, inside);

@@ -210,9 +210,7 @@ base::Result<Wd2Rig> load_wd2_rig(const fs::path& folder, double height_m) {
     move_world(camera, turn, middle, rig.metres_per_unit, kFarBelow - rig.metres_per_unit * foot);
     make_view(camera);
     views.push_back(camera.view);
-    distances.push_back(geometry::position_in_world(camera.estimate).head<2>().norm());
   }
-  rig.camera_distance_m = quantile(distances, 0.5);
   hull::HullOptions options;
   options.dilation_px = 0;
   options.people_height_m = 4;
@@ -226,11 +224,16 @@ base::Result<Wd2Rig> load_wd2_rig(const fs::path& folder, double height_m) {
     return base::fail(base::ErrorKind::kNumerical, folder.string(), "the masks have no common hull",
                       "check the calibration");
   }
+  // Feet that stand apart make masks higher than the person: the hull's height counts.
+  const double scale = height_m / person->bounds.sizes().z();
+  rig.metres_per_unit *= scale;
   for (Wd2Camera& camera : rig.cameras) {
-    move_world(camera, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), 1,
-               -person->bounds.min().z());
+    move_world(camera, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), scale,
+               -scale * person->bounds.min().z());
     camera.view.estimate = camera.estimate;
+    distances.push_back(geometry::position_in_world(camera.estimate).head<2>().norm());
   }
+  rig.camera_distance_m = quantile(distances, 0.5);
   return rig;
 }
 
