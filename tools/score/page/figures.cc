@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kWidest = 1280;          // of a picture in the page, pixels
+constexpr int kWidest = 960;           // of a whole frame in the page, pixels
+constexpr int kWidestStrip = 1960;     // of enlarged parts beside one another
 constexpr int kTallPerson = 420;       // of a person in a crop, pixels, about
 constexpr std::size_t kHullViews = 3;  // cameras that show a person of a hull
 constexpr double kAsBad = 0.1;         // of the worst: nearly as bad, where that is shown anyway
@@ -109,11 +110,14 @@ class Maker {
                     const std::string& what) {
     if (picture.empty()) return {};
     const std::string file = fmt::format("pictures/{}-{}.png", figure.frame.id(), part);
-    if (const auto written = write_picture(options_.folder / file, at_most(picture, kWidest));
+    const bool strip = picture.width() > 2 * picture.height();
+    if (const auto written =
+            write_picture(options_.folder / file, at_most(picture, strip ? kWidestStrip : kWidest));
         !written) {
       return written;
     }
-    (part == "ours" || part == "clean" ? figure.blink : figure.shots).push_back({file, {}, what});
+    (part == "ours" || part == "clean" ? figure.blink : figure.shots)
+        .push_back({file, {}, what, strip});
     return {};
   }
 
@@ -152,6 +156,7 @@ class Maker {
         [this, &figure, truth = *truth,
          found = estimate(at.subject, at.frame, truth->model)](const Picture& frame) {
           const CameraMap map = camera_map(frame, truth, found, pitch_);
+          if (!found) return keep(figure, "whole", map.whole, "No estimate. True markings green.");
           const auto done = keep(figure, "whole", map.whole,
                                  fmt::format("Turf points, true to estimated, {:g} times as long. "
                                              "Markings: true green, estimated orange.",
@@ -390,7 +395,8 @@ class Maker {
          plan_svg(plan_of(truth_.people(at.frame)), plan_of(told_[at.frame]), kReach,
                   pitch_.length_m / 2 + pitch_.in_goal_m, pitch_.width_m / 2),
          "From above: true people are rings, told ones dots; a red ring has nobody told within "
-         "1.5 m."});
+         "1.5 m.",
+         true});
     return {};
   }
 

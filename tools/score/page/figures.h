@@ -33,9 +33,10 @@ std::vector<WorstFrame> worst_frames(const std::vector<Series>& series, std::siz
 double badness(const ScoreKind& kind, double value);
 
 struct Shot {
-  std::string file;  // relative to the page's folder; or
-  std::string svg;   // an element of its own
-  std::string what;  // what it shows
+  std::string file;   // relative to the page's folder; or
+  std::string svg;    // an element of its own
+  std::string what;   // what it shows
+  bool wide = false;  // over the whole width of the page
 };
 
 struct Figure {

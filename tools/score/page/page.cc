@@ -183,7 +183,8 @@ std::string shot(const page::Shot& s) {
           ? s.svg
           : fmt::format("<a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" loading=\"lazy\"></a>",
                         escaped(s.file), escaped(s.what));
-  return fmt::format("<div class=\"shot\">{}<p>{}</p></div>\n", picture, escaped(s.what));
+  return fmt::format("<div class=\"shot{}\">{}<p>{}</p></div>\n", s.wide ? " wide" : "", picture,
+                     escaped(s.what));
 }
 
 std::string picture_section(const page::Figure& f) {

@@ -65,7 +65,9 @@ section.worst:target{outline:3px solid #8fb0e6}
 section.worst ul{display:inline;margin:0;padding:0;list-style:none}
 section.worst li{display:inline-block;margin-left:10px;padding:1px 9px;border-radius:10px;background:#fdecea;color:#8c2b20;font-size:13px}
 .shots{display:flex;flex-wrap:wrap;gap:12px;margin-top:10px;align-items:flex-start}
-.shot{flex:1 1 560px;min-width:0}
+.shot{flex:0 1 calc(50% - 6px);min-width:0}
+.shot.wide{flex-basis:100%}
+@media(max-width:900px){.shot{flex-basis:100%}}
 .shot img{display:block;max-width:100%;height:auto;border-radius:4px}
 .shot p{margin:5px 0 0;color:var(--soft);font-size:13px}
 .blink{position:relative;cursor:pointer}
