@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <deque>
@@ -14,6 +15,12 @@
 
 namespace touchline::edge {
 namespace {
+
+constexpr int kTakePictures = 3;       // held frames that are tried for a head's first mount
+constexpr double kAnySize = 100;       // metres: a size that is not held against the lines
+constexpr int kTakePasses = 4;         // over the held frames, for the survey of a take
+constexpr double kTakeMisfitPx = 0.3;  // rms of a mount's lines at 1080 lines, to look for a better
+constexpr double kTakeMisfit = 1.3;    // and so much more than the better one's
 
 using Clock = std::chrono::steady_clock;
 
@@ -84,9 +91,9 @@ base::Status ChainOptions::validate() const {
   if (plate_publish_frames < 1 || plate_publish_frames > 100000) {
     return out_of_bounds("plate_publish_frames", plate_publish_frames, "1..100000");
   }
-  for (const base::Status& part :
-       {detail.validate(), survey.validate(), calibrate.validate(), plate.validate(),
-        key.validate(), encode.validate(), codec.validate(), plate_tiles.validate()}) {
+  for (const base::Status& part : {detail.validate(), survey.validate(), take.validate(),
+                                   calibrate.validate(), plate.validate(), key.validate(),
+                                   encode.validate(), codec.validate(), plate_tiles.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -116,14 +123,18 @@ struct FrameChain::Impl {
   // Active state.
   std::optional<geometry::Mount> mount;
   std::optional<geometry::CameraEstimate> initial;  // of the first frame, where the survey gave it
+  std::optional<calibrate::TakeSurvey> take;        // of a head without survey stills
+  std::optional<calibrate::TakeSurveyResult> better;  // found while running, not adopted yet
   std::unique_ptr<calibrate::Calibrator> calibrator;
   std::unique_ptr<compensate::Compensator> compensator;
   std::unique_ptr<plate::PlateBuilder> plate;
+  std::uint32_t plate_version = 1;  // of its first snapshot
   key::Keyer keyer;
   std::shared_ptr<const image::PlateSnapshot> sent_plate;
   std::vector<image::FramePtr> held;
   bool running = false;  // the hold-back is over
   bool calibrated_any = false;
+  int frames_until_sizes = 0;  // of lost frames, until the pitch's sizes are looked for again
   bool stills_failed = false;
   std::uint64_t held_bytes = 0;
   std::uint64_t frames_since_survey = 0;
@@ -175,17 +186,41 @@ struct FrameChain::Impl {
     adopt(*result);
   }
 
-  // A camera without survey stills is solved from what it shows; a head from one picture, since it
-  // may move.
+  // A camera without survey stills is solved from what it shows: a fixed one from its frames
+  // together; a head, which may move, from the first of a few that can be.
   void survey_frames(const std::vector<image::FramePtr>& shown) {
     const StageTimer timer(stage(kSurvey));
+    const bool fixed = setup.kind == HeadKind::kFixed;
+    const std::vector<std::size_t> chosen =
+        spread(shown.size(), fixed ? options.fixed_survey_frames : kTakePictures);
+    if (chosen.empty()) return;
     std::vector<image::Frame> frames;
-    for (const std::size_t i :
-         spread(shown.size(), setup.kind == HeadKind::kFixed ? options.fixed_survey_frames : 1)) {
+    std::size_t solved = 0;
+    base::Result<calibrate::SurveyResult> result = base::fail(base::Error{});
+    for (const std::size_t i : chosen) {
+      if (!fixed) frames.clear();
       frames.push_back(*shown[i]);
+      if (fixed && frames.size() < chosen.size()) continue;
+      // One picture tells little of the pitch's sizes: the usual ones first, if its lines fit them
+      // at all.
+      calibrate::SurveyOptions usual = options.survey;
+      if (!fixed) {
+        const std::array<std::pair<bool*, bool>, 3> sizes{
+            {{&usual.length_stated, setup.sizes.length_m.has_value()},
+             {&usual.width_stated, setup.sizes.width_m.has_value()},
+             {&usual.crown_stated, setup.sizes.crown_m.has_value()}}};
+        for (const auto& [stated, measured] : sizes) {
+          if (!measured) usual.size_tolerance_m = kAnySize;
+          *stated = true;
+        }
+      }
+      result = calibrate::survey_fixed(frames, pitch, setup.side, usual);
+      if (!result && !fixed) {
+        result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
+      }
+      solved = fixed ? 0 : i;
+      if (result) break;
     }
-    if (frames.empty()) return;
-    auto result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
     if (!result) {
       if (setup.kind != HeadKind::kCloseup) report.survey_error = result.error();
       note("not calibrated: " + base::to_string(result.error()));
@@ -193,7 +228,8 @@ struct FrameChain::Impl {
     }
     report.survey_error.reset();
     adopt(*result);
-    initial = result->stills.front();
+    if (solved == 0) initial = result->stills.front();
+    if (setup.kind == HeadKind::kHead) take.emplace(pitch, *mount, options.take);
   }
 
   // Says nothing but the picture's size.
@@ -233,6 +269,89 @@ struct FrameChain::Impl {
     if (initial) calibrator->start_from(*initial);
   }
 
+  // From here on the mount and the pitch are those of the take's survey.
+  void adopt(const calibrate::TakeSurveyResult& result) {
+    mount = result.mount;
+    pitch = result.pitch;
+    initial = result.newest;
+    report.survey_rms_px = result.rms_px;
+    report.survey_solved = result.key_frames;
+  }
+
+  void note_take(const calibrate::TakeSurveyResult& result) {
+    const Eigen::Vector3d p = result.mount.position_in_world;
+    note(
+        fmt::format("surveyed from {} views of the take: rms {:.2f} px, position {:.2f} {:.2f} "
+                    "{:.2f} m, moved {:.2f} m, pitch {:.2f} x {:.2f} m",
+                    result.key_frames, result.rms_px, p.x(), p.y(), p.z(), result.moved_m,
+                    result.pitch.length_m, result.pitch.width_m));
+  }
+
+  // What one picture said of the mount is rough: the held frames are followed, with what their
+  // views together say, until they say nothing new. Then they are followed for good.
+  void survey_held() {
+    std::optional<calibrate::TakeSurveyResult> last;
+    for (int pass = 0; take && pass < kTakePasses; ++pass) {
+      start_calibrator();
+      const StageTimer timer(stage(kSurvey));
+      for (const image::FramePtr& frame : held)
+        take->add(*frame, calibrator->process(*frame).estimate);
+      auto result = take->solve();
+      if (!result) break;
+      adopt(*result);
+      initial.reset();  // the newest view is not the first frame's
+      last = std::move(result);
+    }
+    if (last) note_take(*last);
+  }
+
+  // Lines that come into view may show that the pitch has another size than the default.
+  void find_sizes(const image::Frame& frame, geometry::CameraEstimate& estimate) {
+    if (frames_until_sizes > 0) {
+      --frames_until_sizes;
+      return;
+    }
+    frames_until_sizes = static_cast<int>(setup.rate.hz());
+    std::optional<geometry::CameraEstimate> found;
+    {
+      const StageTimer timer(stage(kSurvey));
+      found = take->resize(frame);
+    }
+    if (!found) return;
+    pitch = take->pitch();
+    initial = std::move(found);
+    start_calibrator();
+    estimate = calibrate_frame(frame);
+    note(fmt::format("pitch by the lines that came into view: {:.1f} x {:.1f} m", pitch.length_m,
+                     pitch.width_m));
+  }
+
+  // While running: another view, and what all views then say. It is adopted when the mount as it is
+  // fits them worse, or does not let the lines be followed, since the plate begins anew with it.
+  void survey_running(const image::Frame& frame, geometry::CameraEstimate& estimate) {
+    if (!take) return;
+    if (!estimate.lost()) {
+      frames_until_sizes = 0;
+      const StageTimer timer(stage(kSurvey));
+      if (!take->add(frame, estimate)) return;
+      if (auto result = take->solve()) better = std::move(result);
+    }
+    if (estimate.lost()) find_sizes(frame, estimate);
+    if (!better) return;
+    const double scale = frame.height() / 1080.0;
+    const bool misfit = better->rms_before_px > kTakeMisfitPx * scale &&
+                        better->rms_before_px > kTakeMisfit * better->rms_px;
+    if (!estimate.lost() && !misfit) return;
+    adopt(*better);
+    note_take(*better);
+    if (estimate.lost()) initial.reset();
+    better.reset();
+    start_calibrator();
+    estimate = calibrate_frame(frame);
+    if (const auto old = plate ? plate->snapshot() : nullptr) plate_version = old->version + 1;
+    plate.reset();
+  }
+
   // A camera that showed no pitch at first (a cap, a test card) is tried again now and then.
   void retry_survey(const image::FramePtr& frame) {
     if (mount || stills_failed || setup.kind == HeadKind::kCloseup) return;
@@ -255,8 +374,10 @@ struct FrameChain::Impl {
       if (!estimate.lost()) focal = std::max(focal, estimate.model.fx);
     }
     if (focal <= 0 || !mount) return;
+    plate::PlateOptions plate_options = options.plate;
+    plate_options.first_version = plate_version;
     plate = std::make_unique<plate::PlateBuilder>(pitch, mount->position_in_world, 1 / focal,
-                                                  options.plate);
+                                                  plate_options);
     const StageTimer timer(stage(kPlate));
     for (std::size_t i = 0; i < still_estimates.size(); ++i)
       plate->seed(stills[i], still_estimates[i]);
@@ -334,6 +455,7 @@ struct FrameChain::Impl {
     }
     for (image::FramePtr& frame : held) frame = compensated(*frame);
     if (!mount && !stills_failed) survey_frames(held);
+    survey_held();
     start_calibrator();
     std::vector<geometry::CameraEstimate> estimates;
     for (const image::FramePtr& frame : held) estimates.push_back(calibrate_frame(*frame));
@@ -366,6 +488,7 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
   impl->setup = setup;
   impl->options = options;
   impl->options.survey = survey_options(setup, options);
+  impl->options.take.survey = impl->options.survey;
   auto pitch = pitch::make_pitch(setup.sport, setup.sizes);
   if (!pitch) return base::fail(pitch.error());
   impl->pitch = std::move(*pitch);
@@ -393,7 +516,8 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
   impl_->retry_survey(clean);
-  const geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
+  geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
+  impl_->survey_running(*clean, estimate);
   if (!impl_->plate && !estimate.lost()) impl_->start_plate({estimate});
   impl_->learn_plate(*clean, estimate);
   if (++impl_->frames_since_plate >=

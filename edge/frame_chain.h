@@ -11,6 +11,7 @@
 #include "edge/calibrate/calibrator.h"
 #include "edge/calibrate/side.h"
 #include "edge/calibrate/survey.h"
+#include "edge/calibrate/take_survey.h"
 #include "edge/compensate/detail_estimator.h"
 #include "edge/encode/assemble.h"
 #include "edge/key/key.h"
@@ -58,6 +59,7 @@ struct ChainOptions {
       250;  // frames between two looks at which plate tiles changed; 1..100000
   compensate::DetailOptions detail;
   calibrate::SurveyOptions survey;
+  calibrate::TakeSurveyOptions take;  // its survey options are those above
   calibrate::CalibrateOptions calibrate;
   plate::PlateOptions plate;
   key::KeyOptions key;

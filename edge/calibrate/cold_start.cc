@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "edge/calibrate/cold_circle_internal.h"
 #include "edge/calibrate/pose_score_internal.h"
 
 namespace touchline::calibrate {
@@ -18,6 +19,7 @@ constexpr double kFurthestVanishingPoint = 60;  // in picture widths
 constexpr double kConvincing = 0.85;            // score that ends the search
 constexpr int kCentreLines = 6;                 // that are tried for the halfway line
 constexpr double kCentreSlope = 0.02;           // sine between a touchline and its hypothesis
+constexpr std::size_t kCirclePoints = 240;      // that the circle is looked for in
 constexpr int kScored = 400;                    // proposals kept for a closer look
 
 // All straight markings that lie on one line of the pitch, along X or along Y.
@@ -105,6 +107,10 @@ class Search {
       for (std::size_t j = 0; j < count; ++j)
         if (i != j) try_centre(lines_[i], lines_[j]);
     for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
+    // Or no more than the halfway line and the circle.
+    proposals_.clear();
+    for (std::size_t i = 0; i < count; ++i) try_circle(lines_[i]);
+    for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
     std::stable_sort(
         found.begin(), found.end(),
         [](const ColdHypothesis& a, const ColdHypothesis& b) { return a.score > b.score; });
@@ -177,6 +183,28 @@ class Search {
           try_heights(halfway, touch, focal, rotation);
         }
       }
+    }
+  }
+
+  void try_circle(const CentredLine& halfway) {
+    const auto circle = std::find_if(pitch_.markings.begin(), pitch_.markings.end(),
+                                     [](const pitch::Marking& marking) {
+                                       return marking.id == pitch::MarkingId::kCentreCircle;
+                                     });
+    if (circle == pitch_.markings.end()) return;
+    std::vector<Eigen::Vector2d> points;
+    const std::size_t stride = 1 + map_.points.size() / kCirclePoints;
+    for (std::size_t i = 0; i < map_.points.size(); i += stride)
+      points.push_back(map_.points[i].position.cast<double>() - centre_);
+    CircleSearch search;
+    search.least_focal = options_.least_focal * map_.width;
+    search.most_focal = options_.most_focal * map_.width;
+    search.radius_m = circle->radius;
+    search.tolerance_px = 5 * scale_;
+    for (const CircleProposal& proposal : circle_proposals(halfway.line, points, search)) {
+      if (faces_pitch(proposal.rotation) &&
+          plausible(proposal.position, side_, pitch_, options_.bounds))
+        propose(proposal.focal, proposal.rotation, proposal.position);
     }
   }
 

@@ -21,9 +21,11 @@ constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
 constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
 constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
 constexpr double kLeastStillScore = 0.7;
-constexpr double kLeastFit = 0.78;   // of confirmed and explained, over all solved stills
-constexpr double kFoundSize = 0.05;  // metres: a size this sure is found
-constexpr double kRoughSize = 0.5;   // metres: one this sure is found where it is far off
+constexpr double kLeastFit = 0.78;     // of confirmed and explained, over all solved stills
+constexpr double kLeastShown = 0.6;    // of confirmed, where so much is explained
+constexpr double kExplainsAll = 0.88;  // the same
+constexpr double kFoundSize = 0.05;    // metres: a size this sure is found
+constexpr double kRoughSize = 0.5;     // metres: one this sure is found where it is far off
 constexpr double kRoughSigmas = 6;
 constexpr double kSizeSettled = 0.004;  // metres: a smaller change is not worth another run
 
@@ -401,8 +403,10 @@ class Survey {
     result.crown_m = pitch_.crown_m;
     result.stopped_because = "sizes found";
     if (sizes_to_find(options_, result).any()) return result;
-    if (result.rms_px > options_.most_rms_px * scale_ || confirmed < kLeastFit ||
-        explained < kLeastFit) {
+    // Captions and people hide lines; one picture is believed for what it shows.
+    const bool shown = !head_ && confirmed >= kLeastShown && explained >= kExplainsAll;
+    if (result.rms_px > options_.most_rms_px * scale_ ||
+        (!shown && (confirmed < kLeastFit || explained < kLeastFit))) {
       return base::fail(
           base::ErrorKind::kNumerical, "survey",
           fmt::format(

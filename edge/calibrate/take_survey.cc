@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
+#include "edge/calibrate/hough_initialiser.h"
 #include "edge/calibrate/pose_fit.h"
 #include "edge/calibrate/survey_solve.h"
 
@@ -16,10 +18,19 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr int kRounds = 3;           // of linearising the lines' directions
-constexpr double kSizeStep = 0.05;   // metres, for derivatives by the pitch's sizes
-constexpr double kHeldSize = 1e-4;   // metres: sigma of a size that was measured
-constexpr double kSizeSigmas = 2;    // a change of a size below this is noise
+// Scales of the loss in pixels, one solution each: also of linearising the lines' directions.
+constexpr std::array<double, 4> kLosses{8, 3, 1.5, 0.75};
+constexpr int kRounds = static_cast<int>(kLosses.size());
+constexpr double kSizeStep = 0.05;  // metres, for derivatives by the pitch's sizes
+constexpr double kHeldSize = 1e-4;  // metres: sigma of a size that was measured
+constexpr double kSizeSigmas = 2;   // a change of a size below this is noise
+// Of a search for sizes: how far from the pitch as it is, in which steps; metres.
+constexpr double kLengthReach = 15;
+constexpr double kWidthReach = 8;
+constexpr double kSizeSearchStep = 1;
+constexpr double kScoreGain = 0.04;  // of the initialiser's score, over that of the sizes before
+constexpr std::size_t kLeastWindows = 6;    // of a marking with candidates, to tell its course
+constexpr std::size_t kCourseWindows = 12;  // of which two are taken at a time
 constexpr double kKnotRatio = 1.15;  // of focal lengths, above which the lens is a function of zoom
 
 // Distance along a marking's centre line of its point nearest to `p`, as a share of its length.
@@ -42,6 +53,65 @@ std::optional<pitch::PitchModel> resized(const pitch::PitchModel& pitch,
   auto made = pitch::make_pitch(pitch.sport, sizes);
   if (!made || made->markings.size() != pitch.markings.size()) return std::nullopt;
   return std::move(*made);
+}
+
+// How far a marking lies off its prediction along its windows: offset = a + b * window.
+struct Course {
+  double a = 0, b = 0;
+  double at(std::size_t window) const { return a + b * static_cast<double>(window); }
+  const LineCandidate* nearest(const LinePoint& point, std::size_t window) const {
+    const LineCandidate* best = nullptr;
+    for (int i = 0; i < point.count; ++i) {
+      const LineCandidate& candidate = point.candidates[static_cast<std::size_t>(i)];
+      if (best == nullptr ||
+          std::abs(candidate.offset_px - at(window)) < std::abs(best->offset_px - at(window)))
+        best = &candidate;
+    }
+    return best;
+  }
+};
+
+// The course that most windows bear out, of those through two of their candidates, the nearer to
+// the prediction of two alike; none where fewer than half of the windows with candidates agree.
+std::optional<Course> course_of(std::span<const LinePoint> line, double near_px) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (line[i].count > 0) found.push_back(i);
+  if (found.size() < kLeastWindows) return std::nullopt;
+  const std::size_t step = 1 + found.size() / kCourseWindows;
+  std::optional<Course> best;
+  double most = 0.5 * static_cast<double>(found.size());
+  const auto judge = [&](const Course& course) {
+    double on = 0;
+    for (const std::size_t i : found) {
+      const LineCandidate* candidate = course.nearest(line[i], i);
+      if (std::abs(candidate->offset_px - course.at(i)) <= near_px) ++on;
+    }
+    // Of two courses alike the nearer one.
+    const double middle = course.at(line.size() / 2);
+    on -= 0.01 * static_cast<double>(found.size()) * std::abs(middle);
+    if (on <= most) return;
+    most = on;
+    best = course;
+  };
+  judge({});
+  for (std::size_t i = 0; i < found.size(); i += step) {
+    for (std::size_t k = i + 2 * step; k < found.size(); k += step) {
+      const LinePoint& p = line[found[i]];
+      const LinePoint& q = line[found[k]];
+      for (int c = 0; c < std::min(p.count, 2); ++c) {
+        for (int d = 0; d < std::min(q.count, 2); ++d) {
+          const double from = p.candidates[static_cast<std::size_t>(c)].offset_px;
+          const double to = q.candidates[static_cast<std::size_t>(d)].offset_px;
+          Course course;
+          course.b = (to - from) / static_cast<double>(found[k] - found[i]);
+          course.a = from - course.b * static_cast<double>(found[i]);
+          judge(course);
+        }
+      }
+    }
+  }
+  return best;
 }
 
 Eigen::Array<bool, 3, 1> unstated(const SurveyOptions& options) {
@@ -94,18 +164,23 @@ bool TakeSurvey::add(const image::Frame& frame, const geometry::CameraEstimate& 
   LinePointOptions windows = options_.points;
   windows.search_px = options_.search_px;
   windows.search_sigmas = 0;
-  const double outlier = options_.outlier_px * frame.height() / 1080.0;
-  for (const LinePoint& point : measure_lines(frame, pitch_, estimate, windows)) {
-    const LineCandidate* nearest = nullptr;
-    for (int i = 0; i < point.count; ++i) {
-      const LineCandidate& candidate = point.candidates[static_cast<std::size_t>(i)];
-      if (nearest == nullptr || std::abs(candidate.offset_px) < std::abs(nearest->offset_px))
-        nearest = &candidate;
+  const double near_px = options_.outlier_px * frame.height() / 1080.0;
+  const std::vector<LinePoint> points = measure_lines(frame, pitch_, estimate, windows);
+  for (std::size_t first = 0; first < points.size();) {
+    std::size_t end = first;
+    while (end < points.size() && points[end].marking == points[first].marking) ++end;
+    const std::span<const LinePoint> line(points.data() + first, end - first);
+    const pitch::Marking* marking = pitch_.find(line.front().marking);
+    first = end;
+    // The line itself says what lies on it: a mount that is wrong puts it some pixels off.
+    const auto course = course_of(line, near_px);
+    if (!course) continue;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const LineCandidate* on = course->nearest(line[i], i);
+      if (on == nullptr || std::abs(on->offset_px - course->at(i)) > near_px) continue;
+      key.points.push_back(
+          {marking->id, share_at(*marking, line[i].point_in_world.head<2>()), line[i].pixel(*on)});
     }
-    if (nearest == nullptr || std::abs(nearest->offset_px) > outlier) continue;
-    const pitch::Marking* marking = pitch_.find(point.marking);
-    key.points.push_back(
-        {point.marking, share_at(*marking, point.point_in_world.head<2>()), point.pixel(*nearest)});
   }
   if (static_cast<int>(key.points.size()) < options_.least_points) return false;
   const std::size_t stride =
@@ -133,6 +208,42 @@ void TakeSurvey::drop_most_alike() {
     }
   }
   keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(drop));
+}
+
+std::optional<geometry::CameraEstimate> TakeSurvey::resize(const image::Frame& frame) {
+  const Eigen::Array<bool, 3, 1> free = unstated(options_.survey) && !known_;
+  if (!free(0) && !free(1)) return std::nullopt;
+  const LineMap map = detect_lines(frame, options_.survey.line_map);
+  InitialiseReport report;
+  static_cast<void>(Initialiser(pitch_, mount_, options_.survey.initialise).find(map, report));
+  double best = report.score + kScoreGain;
+  std::optional<pitch::PitchModel> found;
+  std::optional<geometry::CameraEstimate> camera;
+  const auto search = [&](int axis, double reach, double step) {
+    if (!free(axis)) return;
+    const pitch::PitchModel from = found.value_or(pitch_);
+    // The nearest sizes first, so that of equals the smallest change wins.
+    for (double away = step; away < reach + 0.5 * step; away += step) {
+      for (const double change : {-away, away}) {
+        auto other = resized(from, change * Eigen::Vector3d::Unit(axis));
+        if (!other) continue;
+        auto seen = Initialiser(*other, mount_, options_.survey.initialise).find(map, report);
+        if (!seen || report.score <= best) continue;
+        best = report.score;
+        camera = std::move(seen);
+        found = std::move(other);
+      }
+    }
+  };
+  search(0, kLengthReach, kSizeSearchStep);
+  if (found) {
+    search(0, 0.5 * kSizeSearchStep, 0.5 * kSizeSearchStep);
+  } else {
+    search(1, kWidthReach, kSizeSearchStep);
+  }
+  if (!found) return std::nullopt;
+  pitch_ = std::move(*found);
+  return camera;
 }
 
 std::optional<TakeSurveyResult> TakeSurvey::solve() {
@@ -172,9 +283,8 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
   options.shift_sigma = survey.shift_prior;
   options.shift_step = 0.5 * survey.shift_prior;
   options.point_sigma_px = survey.point_sigma_px * scale;
-  options.loss_px = 0.75 * scale;
   if (free.any()) {
-    options.size_sigma = {options_.size_prior_m, options_.size_prior_m, 0.2};
+    options.size_sigma = {options_.size_prior_m, options_.size_prior_m, survey.crown_sigma_m};
     for (int i = 0; i < 3; ++i)
       if (!free(i)) options.size_sigma(i) = kHeldSize;
   }
@@ -211,14 +321,17 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
     // Last on the sizes as they then are.
     const bool last = round + 1 == kRounds;
     if (last) options.size_sigma.setZero();
+    options.loss_px = kLosses[static_cast<std::size_t>(round)] * scale;
     options.covariance = true;
     solution = solve_survey(options, problem);
     if (!solution.converged) return std::nullopt;
     if (last || !free.any()) continue;
     Eigen::Vector3d change = Eigen::Vector3d::Zero();
     for (int i = 0; i < 3; ++i) {
-      if (free(i) && solution.size_sigma(i) < options_.found_size_m &&
-          std::abs(solution.size_change(i)) > kSizeSigmas * solution.size_sigma(i))
+      const double sure = i == 2 ? 0.5 * options_.found_size_m : options_.found_size_m;
+      if (!free(i) || !(solution.size_sigma(i) < sure)) continue;
+      known_(i) = true;
+      if (std::abs(solution.size_change(i)) > kSizeSigmas * solution.size_sigma(i))
         change(i) = solution.size_change(i);
     }
     if (change.isZero()) continue;

@@ -30,8 +30,8 @@ struct TakeSurveyOptions {
   int least_key_frames = 3;
   int most_key_frames = 24;
   int points_a_frame = 200;   // line points that a key frame keeps
-  double search_px = 5;       // half width of a key frame's windows, at 1080 lines
-  double outlier_px = 3;      // a point farther off is another line's, at 1080 lines
+  double search_px = 16;      // half width of a key frame's windows, at 1080 lines
+  double outlier_px = 1.5;    // a point farther off its line's course is not used, at 1080 lines
   int least_points = 24;      // line points of a key frame
   double size_prior_m = 1.5;  // sigma of a length or width that nobody measured
   // A size is taken when it is known to this; metres.
@@ -63,7 +63,14 @@ class TakeSurvey {
   // last solution, or it broke down. The mount of the survey is the new one from here on.
   std::optional<TakeSurveyResult> solve();
 
+  // For a frame that cannot be followed: looks for the length or width, where nobody measured it
+  // nor solve() has found it, under which the picture's lines are those of the pitch. The frame's
+  // camera where they were found; the pitch is the survey's from here on, to be made better by
+  // solve().
+  std::optional<geometry::CameraEstimate> resize(const image::Frame& frame);
+
   const geometry::Mount& mount() const { return mount_; }
+  const pitch::PitchModel& pitch() const { return pitch_; }
   std::size_t key_frames() const { return keys_.size(); }
 
  private:
@@ -85,6 +92,7 @@ class TakeSurvey {
   geometry::Mount mount_;
   TakeSurveyOptions options_;
   std::vector<KeyFrame> keys_;
+  Eigen::Array<bool, 3, 1> known_{false, false, false};  // sizes that solve() has found
   bool fresh_ = false;
 };
 

@@ -368,7 +368,7 @@ void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& 
 
 // A version that nobody holds any more becomes the next one; else its tiles are copied.
 image::PlateSnapshot& PlateBuilder::State::next_snapshot() {
-  const std::uint32_t version = current ? current->version + 1 : 1;
+  const std::uint32_t version = current ? current->version + 1 : options.first_version;
   if (!current || current.use_count() > 1) {
     auto next = std::make_shared<image::PlateSnapshot>(sphere);
     if (current) {

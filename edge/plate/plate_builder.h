@@ -27,6 +27,7 @@ struct PlateOptions {
   double line_tolerance_m = 0.08;   // a painted line may lie this far beside the model; 0..0.5
   double line_tolerance_px = 2.0;   // and this far in plate pixels; 0..10
   double occluder_margin_px = 3.0;  // margin round goal frames and nets, plate pixels; 0..20
+  std::uint32_t first_version = 1;  // of the first snapshot: a plate in place of another counts on
   int max_tiles = 300;  // the oldest are dropped beyond; a tile takes 2 to 5 MB; 8..4096
 
   base::Status validate() const;

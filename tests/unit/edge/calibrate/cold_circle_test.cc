@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "edge/calibrate/cold_circle_internal.h"
+#include "shared/geometry/camera_estimate.h"
+#include "tests/unit/edge/calibrate/painted_pitch.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// A level camera without a lens that looks at the middle of the pitch.
+geometry::CameraEstimate camera(double pan_deg, double tilt_deg, double focal_px) {
+  geometry::Mount mount;
+  mount.position_in_world = {-3, -70, 16};
+  mount.width = 1920;
+  mount.height = 1080;
+  mount.cx = 959.5;
+  mount.cy = 539.5;
+  return camera_at(mount, pan_deg, tilt_deg, focal_px);
+}
+
+Eigen::Vector2d seen(const geometry::CameraEstimate& estimate, double x, double y) {
+  return *geometry::project(estimate, {x, y, 0}) - Eigen::Vector2d(959.5, 539.5);
+}
+
+TEST(CircleProposals, HoldTheCameraThatSawTheCircle) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, 0.5);
+  std::uniform_real_distribution<double> anywhere(-500, 500);
+  for (const double pan : {0.0, 4.0, -3.0}) {
+    const geometry::CameraEstimate truth = camera(pan, -13, 3800);
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < 160; ++i) {
+      const double angle = i * 2 * M_PI / 160;
+      const Eigen::Vector2d p = seen(truth, 9.09 * std::cos(angle), 9.09 * std::sin(angle));
+      if (std::abs(p.x()) < 960 && std::abs(p.y()) < 540)
+        points.emplace_back(p.x() + noise(random), p.y() + noise(random));
+    }
+    // People.
+    for (int i = 0; i < 40; ++i) points.emplace_back(anywhere(random), anywhere(random));
+    const Eigen::Vector2d a = seen(truth, 0, -9);
+    const Eigen::Vector2d b = seen(truth, 0, 9);
+    const Eigen::Vector2d along = (b - a).normalized();
+    const Eigen::Vector3d halfway(-along.y(), along.x(), along.y() * a.x() - along.x() * a.y());
+    CircleSearch search;
+    search.least_focal = 960;
+    search.most_focal = 15000;
+    const auto proposals = circle_proposals(halfway, points, search);
+    double nearest = 1e9;
+    for (const CircleProposal& proposal : proposals) {
+      const double away = (proposal.position - Eigen::Vector3d(-3, -70, 16)).norm() / 72 +
+                          std::abs(std::log(proposal.focal / 3800));
+      nearest = std::min(nearest, away);
+    }
+    EXPECT_LT(nearest, 0.12) << pan << " of " << proposals.size();
+  }
+}
+
+TEST(CircleProposals, NothingWithoutACircle) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> anywhere(-500, 500);
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 200; ++i) points.emplace_back(anywhere(random), anywhere(random));
+  CircleSearch search;
+  search.least_focal = 960;
+  search.most_focal = 15000;
+  search.tolerance_px = 2;
+  EXPECT_TRUE(circle_proposals({1, 0, 0}, points, search).empty());
+  EXPECT_TRUE(circle_proposals({1, 0, 0}, {}, search).empty());
+}
+
+}  // namespace
+}  // namespace touchline::calibrate
