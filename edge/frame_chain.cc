@@ -16,7 +16,11 @@
 namespace touchline::edge {
 namespace {
 
-constexpr int kTakePictures = 3;       // held frames that are tried for a head's first mount
+constexpr int kTakePictures = 3;  // held frames that are tried for a head's first mount
+// What one picture may say of the sizes against the usual ones, and of a crown; metres.
+constexpr double kLengthOff = 12;
+constexpr double kWidthOff = 7;
+constexpr double kMostCrown = 0.6;
 constexpr double kAnySize = 100;       // metres: a size that is not held against the lines
 constexpr int kTakePasses = 4;         // over the held frames, for the survey of a take
 constexpr double kTakeMisfitPx = 0.3;  // rms of a mount's lines at 1080 lines, to look for a better
@@ -186,40 +190,57 @@ struct FrameChain::Impl {
     adopt(*result);
   }
 
+  // The first mount of a head from one picture, the usual sizes of a pitch first: one picture tells
+  // little of them. Then with those that nobody measured free, if they come out like a pitch's.
+  base::Result<calibrate::SurveyResult> survey_head(const std::vector<image::FramePtr>& shown,
+                                                    std::size_t& solved) const {
+    calibrate::SurveyOptions usual = options.survey;
+    const std::array<std::pair<bool*, bool>, 3> sizes{
+        {{&usual.length_stated, setup.sizes.length_m.has_value()},
+         {&usual.width_stated, setup.sizes.width_m.has_value()},
+         {&usual.crown_stated, setup.sizes.crown_m.has_value()}}};
+    for (const auto& [stated, measured] : sizes) {
+      if (!measured) usual.size_tolerance_m = kAnySize;
+      *stated = true;
+    }
+    base::Result<calibrate::SurveyResult> result = base::fail(base::Error{});
+    const std::array<const calibrate::SurveyOptions*, 2> tries{&usual, &options.survey};
+    for (const calibrate::SurveyOptions* tried : tries) {
+      for (const std::size_t i : spread(shown.size(), kTakePictures)) {
+        const std::vector<image::Frame> picture{*shown[i]};
+        auto found = calibrate::survey_fixed(picture, pitch, setup.side, *tried);
+        if (found &&
+            (std::abs(found->length_m - pitch.length_m) > kLengthOff ||
+             std::abs(found->width_m - pitch.width_m) > kWidthOff || found->crown_m > kMostCrown)) {
+          found = base::fail(
+              base::ErrorKind::kNumerical, "survey",
+              fmt::format("the lines of a picture fit a pitch of {:.1f} x {:.1f} m with a crown of "
+                          "{:.2f} m, which is none",
+                          found->length_m, found->width_m, found->crown_m),
+              "state the pitch's sizes, or survey stills that show more lines");
+        }
+        if (found || !result) result = std::move(found);
+        solved = i;
+        if (result) return result;
+      }
+    }
+    return result;
+  }
+
   // A camera without survey stills is solved from what it shows: a fixed one from its frames
   // together; a head, which may move, from the first of a few that can be.
   void survey_frames(const std::vector<image::FramePtr>& shown) {
+    if (shown.empty()) return;
     const StageTimer timer(stage(kSurvey));
-    const bool fixed = setup.kind == HeadKind::kFixed;
-    const std::vector<std::size_t> chosen =
-        spread(shown.size(), fixed ? options.fixed_survey_frames : kTakePictures);
-    if (chosen.empty()) return;
-    std::vector<image::Frame> frames;
     std::size_t solved = 0;
     base::Result<calibrate::SurveyResult> result = base::fail(base::Error{});
-    for (const std::size_t i : chosen) {
-      if (!fixed) frames.clear();
-      frames.push_back(*shown[i]);
-      if (fixed && frames.size() < chosen.size()) continue;
-      // One picture tells little of the pitch's sizes: the usual ones first, if its lines fit them
-      // at all.
-      calibrate::SurveyOptions usual = options.survey;
-      if (!fixed) {
-        const std::array<std::pair<bool*, bool>, 3> sizes{
-            {{&usual.length_stated, setup.sizes.length_m.has_value()},
-             {&usual.width_stated, setup.sizes.width_m.has_value()},
-             {&usual.crown_stated, setup.sizes.crown_m.has_value()}}};
-        for (const auto& [stated, measured] : sizes) {
-          if (!measured) usual.size_tolerance_m = kAnySize;
-          *stated = true;
-        }
-      }
-      result = calibrate::survey_fixed(frames, pitch, setup.side, usual);
-      if (!result && !fixed) {
-        result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
-      }
-      solved = fixed ? 0 : i;
-      if (result) break;
+    if (setup.kind == HeadKind::kFixed) {
+      std::vector<image::Frame> frames;
+      for (const std::size_t i : spread(shown.size(), options.fixed_survey_frames))
+        frames.push_back(*shown[i]);
+      result = calibrate::survey_fixed(frames, pitch, setup.side, options.survey);
+    } else {
+      result = survey_head(shown, solved);
     }
     if (!result) {
       if (setup.kind != HeadKind::kCloseup) report.survey_error = result.error();

@@ -31,6 +31,9 @@ constexpr double kSizeSearchStep = 1;
 constexpr double kScoreGain = 0.04;  // of the initialiser's score, over that of the sizes before
 constexpr std::size_t kLeastWindows = 6;    // of a marking with candidates, to tell its course
 constexpr std::size_t kCourseWindows = 12;  // of which two are taken at a time
+// The priors of levelling, principal point and lens against those of a survey by stills: a take
+// shows less of its mount, and what lines err by together would go into it.
+constexpr double kPriorShare = 0.2;
 constexpr double kKnotRatio = 1.15;  // of focal lengths, above which the lens is a function of zoom
 
 // Distance along a marking's centre line of its point nearest to `p`, as a share of its length.
@@ -277,11 +280,11 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
 
   SurveySolveOptions options;
   options.head = true;
-  options.principal_prior_px = survey.principal_prior_px * mount_.width / 1920.0;
-  options.level_sigma = survey.level_prior_deg * kRadians;
+  options.principal_prior_px = kPriorShare * survey.principal_prior_px * mount_.width / 1920.0;
+  options.level_sigma = kPriorShare * survey.level_prior_deg * kRadians;
   options.roll_sigma = survey.roll_prior_deg * kRadians;
-  options.shift_sigma = survey.shift_prior;
-  options.shift_step = 0.5 * survey.shift_prior;
+  options.shift_sigma = kPriorShare * survey.shift_prior;
+  options.shift_step = 0.5 * options.shift_sigma;
   options.point_sigma_px = survey.point_sigma_px * scale;
   if (free.any()) {
     options.size_sigma = {options_.size_prior_m, options_.size_prior_m, survey.crown_sigma_m};
