@@ -51,8 +51,10 @@ std::vector<std::uint8_t> choose_components(const Components& components,
   for (std::size_t c = 0; c < keep.size(); ++c) {
     const Component& component = components.list[c];
     const bool high = component.lowest_m > options.people_height_m;
-    keep[c] = static_cast<double>(component.samples) * sample_m3 >= options.min_volume_m3 &&
-              component.healed < component.samples && (!high || may_be_ball(component, options));
+    // What is unknown to cameras makes a component larger; it makes none.
+    const auto sure = static_cast<double>(component.witnessed + component.healed);
+    keep[c] = sure * sample_m3 >= options.min_volume_m3 && component.healed < component.samples &&
+              (!high || may_be_ball(component, options));
   }
   return keep;
 }

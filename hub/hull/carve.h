@@ -10,7 +10,7 @@
 //  - a point is in the hull when no camera carves it, at least one camera sees it inside its
 //  dilated
 //    foreground, and at least `min_support` inside their dilated foreground or what is unknown or
-//    occluded to them.
+//    occluded to them; but a component has points that are foreground to `min_support` cameras.
 #pragma once
 
 #include <cstddef>

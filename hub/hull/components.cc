@@ -135,6 +135,7 @@ Components label_components(Volume& volume, const pitch::PitchModel& pitch) {
           const Eigen::Vector3d point = volume.sample_in_world(brick.key, i, j, k);
           ++component.samples;
           component.healed += brick.healed[s];
+          component.witnessed += brick.witnessed[s];
           component.bounds.extend(point);
           component.lowest_m = std::min(component.lowest_m, point.z() - turf);
         }

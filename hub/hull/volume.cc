@@ -44,11 +44,13 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
   std::array<float, kBrickSamples> least;
   std::array<std::array<float, kBrickSamples>, kMostSupport> top;
   const auto ranks = static_cast<std::size_t>(options.min_support);
-  std::array<float, kBrickSamples> most;  // inside a camera's foreground, of any camera
+  std::array<std::array<float, kBrickSamples>, kMostSupport> most;  // the same of foreground alone
   least.fill(kInfinite);
-  most.fill(-kInfinite);
   const auto carved = static_cast<float>(-volume.voxel_m);
-  for (std::size_t r = 0; r < ranks; ++r) top[r].fill(-kInfinite);
+  for (std::size_t r = 0; r < ranks; ++r) {
+    top[r].fill(-kInfinite);
+    most[r].fill(-kInfinite);
+  }
   const Box box = box_of(brick.key, 1, volume.voxel_m);
   const Eigen::Vector3d step(volume.voxel_m, 0, 0);
   for (const SilhouetteMap& map : maps) {
@@ -78,13 +80,16 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
                         seen.data());
         for (std::size_t i = 0; i < kRow; ++i) {
           least[first + i] = std::min(least[first + i], possible[i]);
-          most[first + i] = std::max(most[first + i], seen[i]);
           any |= least[first + i] > 0;
           float value = support[i];
+          float foreground = seen[i];
           for (std::size_t r = 0; r < ranks; ++r) {
             const float higher = std::max(top[r][first + i], value);
             value = std::min(top[r][first + i], value);
             top[r][first + i] = higher;
+            const float surer = std::max(most[r][first + i], foreground);
+            foreground = std::min(most[r][first + i], foreground);
+            most[r][first + i] = surer;
           }
         }
       }
@@ -93,7 +98,8 @@ bool evaluate(Brick& brick, const Volume& volume, std::span<const SilhouetteMap>
   }
   std::array<float, kBrickSamples> value;
   for (std::size_t i = 0; i < value.size(); ++i) {
-    value[i] = std::min({least[i], top[ranks - 1][i], most[i]});
+    value[i] = std::min({least[i], top[ranks - 1][i], most[0][i]});
+    brick.witnessed[i] = std::min(least[i], most[ranks - 1][i]) > 0;
   }
   return write_field(brick, value, volume.voxel_m, pitch, options);
 }

@@ -38,6 +38,8 @@ struct Brick {
   std::array<std::uint8_t, kBrickSamples> label{};
   std::uint32_t first_component = 0;
   std::bitset<kBrickSamples> healed;  // inside by heal_volume only
+  // Inside, and foreground to as many cameras as must support it, not only unknown to some.
+  std::bitset<kBrickSamples> witnessed;
 };
 
 struct Volume {
@@ -84,6 +86,7 @@ bool heal_volume(Volume& volume, std::span<const SilhouetteMap> maps,
 struct Component {
   std::size_t samples = 0;
   std::size_t healed = 0;      // of these
+  std::size_t witnessed = 0;   // of these
   Eigen::AlignedBox3d bounds;  // of the samples
   double lowest_m = 0;         // of its samples above the turf
 };

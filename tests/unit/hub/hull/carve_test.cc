@@ -280,15 +280,22 @@ TEST(Carve, UnknownPixelsSupportWhatAnotherCameraSees) {
   std::mt19937 random(38);
   const std::vector<Capsule> people = {support::standing(0, 0)};
   std::vector<codec::CameraView> views = random_views(random, 2, people);
-  // The second camera cannot tell a black kit from a black board.
+  // The second camera cannot tell black shorts from a black board.
   image::Matte& matte = *views[1].matte;
-  std::swap(matte.alpha, matte.unknown);
+  const auto hide = [](image::Matte& of, int first_row) {
+    for (int y = first_row; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) std::swap(of.alpha(x, y), of.unknown(x, y));
+    }
+  };
+  hide(matte, kHeight / 2);
   const score::MeshQuery query = query_of(carve(views, small_pitch(), coarse_options()).hull);
   for (const Eigen::Vector3d& point : support::surface_points(people[0], 500, random)) {
     EXPECT_TRUE(query.inside(point)) << point.transpose();
   }
-  // What no camera sees as foreground is nobody.
-  std::swap(views[0].matte->alpha, views[0].matte->unknown);
+  // What one camera alone sees is no group.
+  for (int y = 0; y < kHeight / 2; ++y) {
+    for (int x = 0; x < kWidth; ++x) std::swap(matte.alpha(x, y), matte.unknown(x, y));
+  }
   EXPECT_TRUE(carve(views, small_pitch(), coarse_options()).hull.groups.empty());
 }
 
