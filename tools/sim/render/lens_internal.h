@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "shared/geometry/camera_model.h"
 #include "tools/sim/render/renderer.h"
+#include "tools/sim/world/lanes.h"
 
 namespace touchline::sim::render {
 
@@ -25,6 +27,16 @@ class LensTable {
         factors_[static_cast<std::size_t>(i) + 1] - factors_[static_cast<std::size_t>(i)];
     factor = factors_[static_cast<std::size_t>(i)] + part * step;
     slope = step * per_unit_;
+  }
+  // The same for eight radii.
+  void at(world::Floats r2, world::Floats& factor, world::Floats& slope) const {
+    using namespace world;  // NOLINT: arithmetic of lanes
+    const Floats place = held(r2 * all(per_unit_), 0, static_cast<float>(kEntries) - 1.001f);
+    const Ints i = whole(place);
+    const Floats low = _mm256_i32gather_ps(factors_.data(), i, sizeof(float));
+    const Floats step = _mm256_i32gather_ps(factors_.data() + 1, i, sizeof(float)) - low;
+    factor = low + (place - floats(i)) * step;
+    slope = step * all(per_unit_);
   }
 
  private:

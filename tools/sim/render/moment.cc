@@ -60,6 +60,15 @@ float softness(const world::Lamp& lamp, float height) {
 
 }  // namespace
 
+std::uint32_t geometry_mask(unsigned geometry) {
+  if (geometry >= kFigureGeometry) return world::kMaskPeople;
+  if (geometry >= kRoofGeometry)
+    return world::roof_mask(static_cast<int>(geometry - kRoofGeometry));
+  if (geometry >= kTierGeometry)
+    return world::tier_mask(static_cast<int>(geometry - kTierGeometry));
+  return world::kMaskSolid;
+}
+
 LightCells::LightCells(float half_x, float half_y)
     : half_x_(half_x),
       half_y_(half_y),
@@ -127,14 +136,8 @@ void Ground::build() {
   for (unsigned g = 0; g < kFigureGeometry; ++g) {
     const world::SolidMesh& m = mesh(g);
     if (m.triangles.empty()) continue;
-    std::uint32_t mask = world::kMaskSolid;
-    if (g >= kRoofGeometry) {
-      mask = world::roof_mask(static_cast<int>(g - kRoofGeometry));
-    } else if (g >= kTierGeometry) {
-      mask = world::tier_mask(static_cast<int>(g - kTierGeometry));
-    }
-    attach_mesh(device_.get(), scene_.get(), g, mask, vertices_[g].data(), m.vertices.size(),
-                nullptr, m.triangles);
+    attach_mesh(device_.get(), scene_.get(), g, geometry_mask(g), vertices_[g].data(),
+                m.vertices.size(), nullptr, m.triangles);
   }
   rtcCommitScene(scene_.get());
 }
@@ -224,6 +227,7 @@ Moment::Moment(const Ground& ground, const people::Cast* cast, double open_s, do
   }
   rtcCommitScene(scene);
   mark_shadows(ground);
+  sum_up();
 }
 
 void Moment::mark_shadows(const Ground& ground) {
@@ -287,6 +291,32 @@ void Moment::mark_shadows(const Ground& ground) {
       add(posture.joints[static_cast<std::size_t>(joint)], 0.08, 0.17, 0.42);
     add(posture.joints[static_cast<std::size_t>(people::Joint::kPelvis)], 0.9, 0.55, 0.30);
   }
+}
+
+void Moment::sum_up() {
+  summary_.resize(contact_.size());
+  for (std::size_t i = 0; i < summary_.size(); ++i) {
+    std::uint32_t bits = contact_.at(i).ask_figures ? 1u << kNearBit : 0;
+    for (std::size_t lamp = 0; lamp < std::min(cells_.size(), kSummedLamps); ++lamp) {
+      const CellLight cell = cells_[lamp].at(i);
+      if (cell.dark) {
+        bits |= 1u << lamp;
+      } else if (cell.ask_ground || cell.ask_figures) {
+        bits |= 1u << (kAskBits + lamp);
+      }
+    }
+    summary_[i] = bits;
+  }
+}
+
+world::Ints Moment::summary(world::Floats x, world::Floats y) const {
+  world::Floats inside;
+  const world::Ints index = contact_.index(x, y, inside);
+  const world::Ints bits = _mm256_i32gather_epi32(reinterpret_cast<const int*>(summary_.data()),
+                                                  index, sizeof(std::uint32_t));
+  const world::Ints outside =
+      _mm256_andnot_si256(_mm256_castps_si256(inside), world::all_ints(0xff << kAskBits));
+  return _mm256_or_si256(bits, outside);
 }
 
 float Moment::contact_shade(float x, float y) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/sim/people/cast.h"
+#include "tools/sim/world/lanes.h"
 #include "tools/sim/world/world_data.h"
 
 namespace touchline::sim::render {
@@ -51,6 +52,11 @@ struct CellLight {
   bool ask_figures = false;
 };
 
+// What all lamps do to a square of turf: a bit a lamp.
+inline constexpr unsigned kAskBits = 8;   // ask with rays, from this bit on
+inline constexpr unsigned kNearBit = 16;  // people leave less of the sky's light
+inline constexpr std::size_t kSummedLamps = 8;
+
 // Squares of turf under one lamp.
 class LightCells {
  public:
@@ -67,6 +73,18 @@ class LightCells {
   void ask_figures(float x0, float y0, float x1, float y1) { mark(x0, y0, x1, y1, true); }
   // From what rays found at the corners of all cells, (width + 1) by (height + 1).
   void fill(const std::vector<std::uint8_t>& dark_corners);
+  // Places of eight points in rows of squares; lanes outside are not in `inside`.
+  world::Ints index(world::Floats x, world::Floats y, world::Floats& inside) const {
+    using namespace world;  // NOLINT: arithmetic of lanes
+    const Floats u = (x + all(half_x_)) * all(kPerMetre), v = (y + all(half_y_)) * all(kPerMetre);
+    inside = both(both(at_most(all(0), u), at_most(all(0), v)),
+                  both(below(u, all(static_cast<float>(width_))),
+                       below(v, all(static_cast<float>(height_)))));
+    return _mm256_add_epi32(_mm256_mullo_epi32(whole(both(inside, v)), all_ints(width_)),
+                            whole(both(inside, u)));
+  }
+  CellLight at(std::size_t index) const { return cells_[index]; }
+  std::size_t size() const { return cells_.size(); }
   int width() const { return width_; }
   int height() const { return height_; }
   float corner_x(int i) const { return static_cast<float>(i) / kPerMetre - half_x_; }
@@ -85,6 +103,7 @@ inline constexpr unsigned kSolidGeometry = 0;
 inline constexpr unsigned kTierGeometry = 1;
 inline constexpr unsigned kRoofGeometry = kTierGeometry + world::kSides;
 inline constexpr unsigned kFigureGeometry = kRoofGeometry + world::kSides;
+std::uint32_t geometry_mask(unsigned geometry);  // what rays' masks let through
 
 // The ground without people; made once.
 class Ground {
@@ -116,15 +135,19 @@ class Moment {
   const std::vector<Figure>& figures() const { return figures_; }
   const std::vector<LightCells>& cells() const { return cells_; }
   bool near_figure(float x, float y) const { return contact_.at(x, y).ask_figures; }
+  // Bits of all lamps (those of Ground::lamps()) for eight places; lanes outside have all asked.
+  world::Ints summary(world::Floats x, world::Floats y) const;
   // What people leave of the sky's light at a place of the turf near them.
   float contact_shade(float x, float y) const;
 
  private:
   void mark_shadows(const Ground& ground);
+  void sum_up();
   Scene scene_;
   std::vector<Figure> figures_;
   std::vector<LightCells> cells_;
   LightCells contact_;
+  std::vector<std::uint32_t> summary_;  // of each square
   struct Contact {
     float x, y, strength, per_square;
   };

@@ -117,12 +117,17 @@ Outlines find_outlines(const Exposure& exposure, const Moment& moment,
     if (most.x() < -slack || most.y() < -slack || least.x() > static_cast<float>(width) + slack ||
         least.y() > static_cast<float>(height) + slack)
       return;
-    for (int j = std::max(tile_of(least.y() - slack, rows), 0);
-         j <= std::min(tile_of(most.y() + slack, rows), rows - 1); ++j)
-      for (int i = std::max(tile_of(least.x() - slack, columns), 0);
-           i <= std::min(tile_of(most.x() + slack, columns), columns - 1); ++i)
-        std::atomic_ref(out.tiles[static_cast<std::size_t>(j * columns + i)])
-            .store(1, std::memory_order_relaxed);
+    const auto mark_tiles = [&](const Vector2f& low, const Vector2f& high) {
+      for (int j = std::max(tile_of(low.y(), rows), 0);
+           j <= std::min(tile_of(high.y(), rows), rows - 1); ++j)
+        for (int i = std::max(tile_of(low.x(), columns), 0);
+             i <= std::min(tile_of(high.x(), columns), columns - 1); ++i)
+          std::atomic_ref(out.tiles[static_cast<std::size_t>(j * columns + i)])
+              .store(1, std::memory_order_relaxed);
+    };
+    // Ways between the shutter's opening and closing are nearly straight; so are sides.
+    constexpr float kSlack = 2.5f;
+    if (hidden > 0) mark_tiles(least, most);
     // Sides of triangles; vertices may be several pixels apart.
     for (const auto& triangle : figure.body->triangles) {
       const Vector2f &a = begin[triangle[0]], &b = begin[triangle[1]], &c = begin[triangle[2]];
@@ -131,6 +136,8 @@ Outlines find_outlines(const Exposure& exposure, const Moment& moment,
       const Vector2f low = a.cwiseMin(b).cwiseMin(c).cwiseMin(d).cwiseMin(e).cwiseMin(g);
       const Vector2f high = a.cwiseMax(b).cwiseMax(c).cwiseMax(d).cwiseMax(e).cwiseMax(g);
       const Vector2f size = high - low;
+      const float bend = kSlack + 0.02f * size.maxCoeff();
+      mark_tiles(low - Vector2f(bend, bend), high + Vector2f(bend, bend));
       if (size.x() > 24 || size.y() > 24) continue;  // one ray cannot miss what is that large
       const int i0 = std::max(static_cast<int>(std::floor(low.x())), 0);
       const int j0 = std::max(static_cast<int>(std::floor(low.y())), 0);

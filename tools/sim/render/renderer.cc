@@ -8,6 +8,7 @@
 #include <mutex>
 #include <utility>
 
+#include "tools/sim/render/blocks_internal.h"
 #include "tools/sim/render/lens_internal.h"
 #include "tools/sim/render/moment_internal.h"
 #include "tools/sim/render/net_internal.h"
@@ -22,6 +23,8 @@ namespace {
 constexpr int kTile = 32;  // pixels
 constexpr int kBlock = 8;
 constexpr int kMostSamples = 64;
+constexpr float kCrowdSmear = 6;     // pixels between two samples that leave no second picture
+constexpr float kLongestSmear = 24;  // pixels of turf that one sample takes in
 constexpr std::size_t kMoments = 3;  // kept for cameras of the same time
 
 // Sample positions of one count, with the camera at the time of each.
@@ -66,7 +69,7 @@ struct Buffers {
   std::vector<std::uint8_t> taken;         // samples
   std::vector<std::uint8_t> traits;
 };
-constexpr std::uint8_t kMixed = 1, kFigure = 2, kStand = 4;
+constexpr std::uint8_t kMixed = 1, kFigure = 2, kStand = 4, kDetail = 8;
 
 // Which stands hold the camera: those are not in its picture.
 std::uint32_t visible_mask(const world::Structure& structure, const Exposure& exposure) {
@@ -107,17 +110,21 @@ class Frame {
     buffers_.taken.resize(pixels);
     buffers_.traits.resize(pixels);
     lenses_.reserve(2 * kMostSamples + 64);
-    if (!moving_) still_ = std::make_unique<LensTable>(model);
+    if (model == exposure.close.model) still_ = std::make_unique<LensTable>(model);
     edge_ = std::clamp(std::bit_ceil(static_cast<unsigned>(std::max(options.edge_samples, 4))), 4u,
                        static_cast<unsigned>(kMostSamples));
-    for (const int count : {1, 2, 4, 16, 64}) {
+    for (const int count : {1, 2, 4, 8, 16, 32, 64}) {
       if (count > static_cast<int>(edge_)) continue;
       patterns_.emplace_back(count, make_pattern(count, exposure, moving_, still_.get(), lenses_));
     }
     columns_ = (model.width + kTile - 1) / kTile;
     rows_ = (model.height + kTile - 1) / kTile;
-    net_bits_ = nets.by_tile(exposure, kTile, columns_, rows_);
-    outlines_ = find_outlines(exposure, moment, ground.world(), kTile);
+    across_ = (model.width + kBlock - 1) / kBlock;
+    const int down = (model.height + kBlock - 1) / kBlock;
+    net_bits_ = nets.by_tile(exposure, kBlock, across_, down);
+    outlines_ = find_outlines(exposure, moment, ground.world(), kBlock);
+    solids_ = blocks_with_solids(exposure, ground, visible_mask(ground.world().structure, exposure),
+                                 kBlock);
   }
 
   void first_pass() {
@@ -127,9 +134,7 @@ class Frame {
     // What a pixel needs depends on the first pass alone.
     wanted_.resize(buffers_.sums.size());
     tbb::parallel_for(0, rows_, [&](int row) {
-      for (int y = row * kTile; y < std::min((row + 1) * kTile, buffers_.height); ++y)
-        for (int x = 0; x < buffers_.width; ++x)
-          wanted_[static_cast<std::size_t>(y * buffers_.width + x)] = wanted_at(x, y);
+      for (int y = row * kTile; y < std::min((row + 1) * kTile, buffers_.height); ++y) want_row(y);
     });
     tbb::parallel_for(0, columns_ * rows_, [&](int tile) { second_tile(tile); });
   }
@@ -179,11 +184,7 @@ class Frame {
   // Collects the samples of a few pixels into packets.
   class Queue {
    public:
-    Queue(Frame& frame, int tile, const Eigen::Vector2f& motion)
-        : frame_(frame),
-          nets_(frame.net_bits_[static_cast<std::size_t>(tile)]),
-          figures_(frame.outlines_.tiles[static_cast<std::size_t>(tile)] != 0),
-          motion_(motion) {}
+    Queue(Frame& frame, const Eigen::Vector2f& motion) : frame_(frame), motion_(motion) {}
     ~Queue() { flush(); }
     Queue(const Queue&) = delete;
     Queue& operator=(const Queue&) = delete;
@@ -191,6 +192,7 @@ class Frame {
     void add(int x, int y, int count) {
       const Pattern& p = frame_.pattern(count);
       const std::size_t pixel = static_cast<std::size_t>(y * frame_.buffers_.width + x);
+      const std::size_t block = frame_.block(x, y);
       frame_.buffers_.sums[pixel] = {};
       frame_.buffers_.taken[pixel] = 0;
       frame_.buffers_.traits[pixel] = 0;
@@ -204,8 +206,9 @@ class Frame {
         const float per = 1 / static_cast<float>(p.points.size());
         lane.smear_x = motion_.x() * per;
         lane.smear_y = motion_.y() * per;
-        lane.nets = nets_;
-        lane.figures = figures_;
+        lane.nets = frame_.net_bits_[block];
+        lane.solids = frame_.solids_[block] != 0;
+        lane.figures = frame_.outlines_.tiles[block] != 0;
         lane.lone = p.points.size() < 4;
         pixels_[static_cast<std::size_t>(used_)] = pixel;
         weights_[static_cast<std::size_t>(used_)] = per;
@@ -223,7 +226,8 @@ class Frame {
         for (std::size_t k = 0; k < 3; ++k) b.sums[pixel][k] += weights_[i] * s.colour[k];
         b.sums[pixel][3] += weights_[i] * s.matte;
         if (b.taken[pixel]++ == 0) b.kinds[pixel] = s.kind;
-        if (s.detail || b.kinds[pixel] != s.kind) b.traits[pixel] |= kMixed;
+        if (s.detail) b.traits[pixel] |= kDetail;
+        if (b.kinds[pixel] != s.kind) b.traits[pixel] |= kMixed;
         if (s.figure) b.traits[pixel] |= kFigure;
         if (s.stand) b.traits[pixel] |= kStand;
       }
@@ -232,8 +236,6 @@ class Frame {
 
    private:
     Frame& frame_;
-    std::uint32_t nets_;
-    bool figures_;
     Eigen::Vector2f motion_;
     std::array<Lane, kLanes> lanes_;
     std::array<std::size_t, kLanes> pixels_{};
@@ -241,29 +243,82 @@ class Frame {
     int used_ = 0;
   };
 
+  std::size_t block(int x, int y) const {
+    return static_cast<std::size_t>(y / kBlock * across_ + x / kBlock);
+  }
+
   void first_tile(int tile) {
     const Rectangle r = rectangle(tile);
     const Eigen::Vector2f motion = motion_of(r);
     const int least = least_samples(motion);
-    Queue queue(*this, tile, motion);
+    const bool knows_turf = shader_.knows_turf() && motion.maxCoeff() < kLongestSmear;
+    Queue queue(*this, motion);
     const std::vector<bool> stands = blocks_with_stands(r);
-    // Blocks of four by two make coherent packets.
+    const int still_crowd = std::clamp(options_.crowd_samples, 1, 4);
+    const int crowd = least > 1 && motion.maxCoeff() < kCrowdSmear ? std::max(still_crowd, 2)
+                                                                   : std::max(still_crowd, least);
+    for (int y = r.y0; y < r.y1; y += kBlock)
+      for (int x = r.x0; x < r.x1; x += kBlock) {
+        const Rectangle inner{x, y, std::min(x + kBlock, r.x1), std::min(y + kBlock, r.y1)};
+        const std::size_t at = block(x, y);
+        const bool stand = stands[static_cast<std::size_t>((y - r.y0) / kBlock * (kTile / kBlock) +
+                                                           (x - r.x0) / kBlock)];
+        const int usual = stand ? crowd : least;
+        if (knows_turf && !solids_[at] && !outlines_.tiles[at] && !net_bits_[at]) {
+          turf_block(inner, motion, least, queue);
+        } else {
+          first_block(inner, least, usual, queue);
+        }
+      }
+  }
+
+  void first_block(const Rectangle& r, int least, int usual, Queue& queue) {
+    // Four by two make coherent packets.
     for (int y = r.y0; y < r.y1; y += 2)
       for (int x = r.x0; x < r.x1; x += 4)
         for (int j = y; j < std::min(y + 2, r.y1); ++j)
           for (int i = x; i < std::min(x + 4, r.x1); ++i) {
             const bool thin = outlines_.thin[static_cast<std::size_t>(j * buffers_.width + i)] != 0;
-            const bool stand = stands[static_cast<std::size_t>(
-                (j - r.y0) / kBlock * (kTile / kBlock) + (i - r.x0) / kBlock)];
-            const int usual = stand ? std::max(least, std::min(options_.crowd_samples, 4)) : least;
             queue.add(i, j, thin ? std::max(least, 4) : usual);
           }
+  }
+
+  // A block with nothing before the turf.
+  void turf_block(const Rectangle& r, const Eigen::Vector2f& motion, int least, Queue& queue) {
+    static_assert(kBlock == kLanes);
+    TurfRow row;
+    row.camera = &pattern(1).cameras[0];
+    row.x = static_cast<float>(r.x0);
+    row.moving = least > 1;
+    row.wide_x = 1 + motion.x();
+    row.wide_y = 1 + motion.y();
+    TurfPixels found;
+    for (int y = r.y0; y < r.y1; ++y) {
+      row.y = static_cast<float>(y);
+      shader_.trace_turf(row, found);
+      for (int x = r.x0; x < r.x1; ++x) {
+        const auto lane = static_cast<std::size_t>(x - r.x0);
+        const std::size_t pixel = static_cast<std::size_t>(y * buffers_.width + x);
+        if (!(found.done >> lane & 1u)) {
+          queue.add(x, y, least);
+          continue;
+        }
+        buffers_.sums[pixel] = {found.red[lane], found.green[lane], found.blue[lane], 0.0f};
+        buffers_.kinds[pixel] = found.kind(lane);
+        buffers_.taken[pixel] = 1;
+        buffers_.traits[pixel] = found.detail >> lane & 1u ? kDetail : 0;
+      }
+    }
   }
 
   // Whether the middle of each block of a tile shows seats: those take their samples at once.
   std::vector<bool> blocks_with_stands(const Rectangle& r) const {
     constexpr int kAcross = kTile / kBlock;
     std::vector<bool> found(kAcross * kAcross, false);
+    bool any = false;
+    for (int y = r.y0; y < r.y1; y += kBlock)
+      for (int x = r.x0; x < r.x1; x += kBlock) any = any || solids_[block(x, y)] != 0;
+    if (!any) return found;
     const Pattern& p = pattern(1);
     std::array<Lane, kLanes> lanes;
     for (int first = 0; first < kAcross * kAcross; first += kLanes) {
@@ -281,27 +336,58 @@ class Frame {
     return found;
   }
 
+  void want_row(int y) {
+    const auto width = static_cast<std::size_t>(buffers_.width);
+    const auto row = [&](int j) {
+      return &buffers_
+                  .kinds[static_cast<std::size_t>(std::clamp(j, 0, buffers_.height - 1)) * width];
+    };
+    const std::uint32_t *above = row(y - 1), *here = row(y), *under = row(y + 1);
+    // Bits that differ among a pixel and those above and below it.
+    std::vector<std::uint32_t> differ(width);
+    for (std::size_t x = 0; x < width; ++x) differ[x] = (above[x] ^ here[x]) | (under[x] ^ here[x]);
+    const std::uint8_t* traits = &buffers_.traits[static_cast<std::size_t>(y) * width];
+    std::uint8_t* wanted = &wanted_[static_cast<std::size_t>(y) * width];
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t left = x > 0 ? x - 1 : x, right = x + 1 < width ? x + 1 : x;
+      const std::uint32_t edge = differ[left] | differ[x] | differ[right] | (here[left] ^ here[x]) |
+                                 (here[right] ^ here[x]) | traits[x];
+      if (edge == 0) continue;
+      wanted[x] = static_cast<std::uint8_t>(wanted_at(static_cast<int>(x), y));
+    }
+  }
+
   int wanted_at(int x, int y) const {
     const std::size_t pixel = static_cast<std::size_t>(y * buffers_.width + x);
     const int taken = buffers_.taken[pixel];
-    if (buffers_.traits[pixel] & kMixed) return edge_more(taken);
+    if (buffers_.traits[pixel] & kDetail) return more(taken, edge_);
     const std::uint32_t kind = buffers_.kinds[pixel];
+    bool edge = (buffers_.traits[pixel] & kMixed) != 0;
+    std::uint32_t all_kinds = kind;
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, buffers_.height - 1); ++j)
-      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, buffers_.width - 1); ++i)
-        if (buffers_.kinds[static_cast<std::size_t>(j * buffers_.width + i)] != kind)
-          return edge_more(taken);
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, buffers_.width - 1); ++i) {
+        const std::uint32_t other =
+            buffers_.kinds[static_cast<std::size_t>(j * buffers_.width + i)];
+        edge = edge || other != kind;
+        all_kinds |= other;
+      }
+    if (edge) {
+      // Outlines of people make the matte. The edge of a shadow is soft by itself.
+      const bool figure = all_kinds >= kKindFigure || (buffers_.traits[pixel] & kFigure);
+      return more(taken, figure ? edge_ : all_kinds < kKindSky ? 4u : std::max(edge_ / 2, 4u));
+    }
     if (buffers_.traits[pixel] & kFigure) return taken < 4 ? 4 : 0;
     if (buffers_.traits[pixel] & kStand)
       return taken < options_.crowd_samples ? std::min(options_.crowd_samples, 4) : 0;
     return 0;
   }
-  int edge_more(int taken) const {
-    return taken < static_cast<int>(edge_) ? static_cast<int>(edge_) : 0;
+  static int more(int taken, unsigned samples) {
+    return taken < static_cast<int>(samples) ? static_cast<int>(samples) : 0;
   }
 
   void second_tile(int tile) {
     const Rectangle r = rectangle(tile);
-    Queue queue(*this, tile, motion_of(r));
+    Queue queue(*this, motion_of(r));
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x) {
         const int count = wanted_[static_cast<std::size_t>(y * buffers_.width + x)];
@@ -318,9 +404,11 @@ class Frame {
   std::vector<LensTable> lenses_;
   std::vector<std::pair<int, Pattern>> patterns_;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::uint32_t> net_bits_;
+  int across_ = 0;                       // blocks
+  std::vector<std::uint32_t> net_bits_;  // of each block
+  std::vector<std::uint8_t> solids_;     // of each block
   Outlines outlines_;
-  std::vector<int> wanted_;
+  std::vector<std::uint8_t> wanted_;  // samples of each pixel
   Buffers buffers_{};
 };
 

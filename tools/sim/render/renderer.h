@@ -33,8 +33,8 @@ struct Exposure {
 };
 
 struct RenderOptions {
-  int edge_samples = 16;  // a pixel at outlines: 4, 16 or 64
-  int crowd_samples = 2;  // a pixel in the stands: 1, 2, 4
+  int edge_samples = 16;  // a pixel at outlines of people: 4, 16 or 64; half at others
+  int crowd_samples = 1;  // a pixel in the stands: 1, 2, 4
   bool shadows = true;
 };
 

@@ -11,13 +11,6 @@ namespace {
 using Eigen::Vector3f;
 using world::Colour;
 
-constexpr float kFar = 4000;
-constexpr std::uint32_t kKindTurf = 1;  // and a bit for the sun's shadow
-constexpr std::uint32_t kKindSky = 4;
-constexpr std::uint32_t kKindTier = 8;    // and the side
-constexpr std::uint32_t kKindSolid = 64;  // and the surface
-constexpr std::uint32_t kKindFigure = 1u << 20;
-
 // Rays to a wide lamp where a pixel has one sample only.
 constexpr int kDiscRays = 4;
 
@@ -48,10 +41,6 @@ float power8(float x, int n) {
   return y;
 }
 
-float fog_left(float depth) {
-  return depth < 0.2f ? 1 - depth * (1 - 0.5f * depth * (1 - depth / 3)) : std::exp(-depth);
-}
-
 }  // namespace
 
 enum class Place : std::uint8_t { kNothing, kTurf, kSolid, kStand, kFigure };
@@ -65,8 +54,13 @@ struct Shader::Points {
   std::array<int, kLanes> side{};
   // Directions as the camera has them: one unit of depth long.
   alignas(32) std::array<float, kLanes> dx{}, dy{}, dz{};
-  std::array<Vector3f, kLanes> by_x, by_y;  // their change over one pixel
-  std::array<float, kLanes> turf{};         // depth of the turf
+  // Their change over one pixel.
+  struct Change {
+    alignas(32) std::array<float, kLanes> x, y, z;
+    Vector3f at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  };
+  Change by_x, by_y;
+  alignas(32) std::array<float, kLanes> turf{};  // depth of the turf
 };
 
 Shader::Shader(const Ground& ground, const Moment& moment, const Nets& nets, double time_s,
@@ -85,6 +79,8 @@ Shader::Shader(const Ground& ground, const Moment& moment, const Nets& nets, dou
   // Behind thick clouds there is no sun among the lamps.
   const std::size_t missing =
       ground.lamps().size() - std::min(ground.lamps().size(), lighting_.lamps.size());
+  missing_ = static_cast<unsigned>(missing);
+  knows_turf_ = !world_.turf.wet() && ground.lamps().size() <= kSummedLamps;
   for (std::size_t i = 0; i < lighting_.lamps.size(); ++i)
     cells_.push_back(&moment.cells()[i + missing]);
 }
@@ -97,42 +93,59 @@ void Shader::trace(const Lane* lanes, int count, Sample* samples) const {
 }
 
 void Shader::aim(const Lane* lanes, int count, Points& p, RTCRayHit8& rays) const {
-  const double q = crown_ / (half_width_ * half_width_);
-  for (int i = 0; i < count; ++i) {
-    const Lane& lane = lanes[i];
+  using world::Floats;
+  // The lanes' cameras side by side.
+  struct Fields {
+    alignas(32) std::array<std::array<float, kLanes>, 18> values;
+  };
+  Fields fields;
+  bool one_lens = true;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Lane& lane = lanes[static_cast<int>(i) < count ? i : 0];
     const SampleCamera& camera = *lane.camera;
-    const float u = (lane.x - camera.cx) * camera.per_fx, v = (lane.y - camera.cy) * camera.per_fy;
-    float factor, slope;
-    camera.lens->at(u * u + v * v, factor, slope);
-    const Vector3f d = camera.world_from_cam * Vector3f(u * factor, v * factor, 1);
-    const float cross = 2 * slope * u * v;
-    p.by_x[i] = camera.world_from_cam *
-                Vector3f((factor + 2 * slope * u * u) * camera.per_fx, cross * camera.per_fx, 0);
-    p.by_y[i] = camera.world_from_cam *
-                Vector3f(cross * camera.per_fy, (factor + 2 * slope * v * v) * camera.per_fy, 0);
-    p.dx[i] = d.x();
-    p.dy[i] = d.y();
-    p.dz[i] = d.z();
+    const Eigen::Matrix3f& r = camera.world_from_cam;
+    one_lens = one_lens && camera.lens == lanes[0].camera->lens;
     p.origin[i] = camera.origin;
-    // First crossing of the turf: the crown between the touchlines, level ground beyond.
-    const double oy = static_cast<double>(camera.origin.y()),
-                 oz = static_cast<double>(camera.origin.z());
-    const double ry = static_cast<double>(d.y()), rz = static_cast<double>(d.z());
-    double best = kFar;
-    const double a = q * ry * ry, b = rz + 2 * q * oy * ry, c = oz + q * oy * oy;
-    const double discriminant = b * b - 4 * a * c;
-    if (discriminant >= 0) {
-      const double s = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-      const double t1 = s != 0 ? c / s : -1, t2 = a > 0 ? s / a : -1;
-      if (t1 > 0 && t1 < best && std::abs(oy + t1 * ry) <= half_width_) best = t1;
-      if (t2 > 0 && t2 < best && std::abs(oy + t2 * ry) <= half_width_) best = t2;
-    }
-    if (rz < 0) {
-      const double t3 = (-crown_ - oz) / rz;
-      if (t3 > 0 && t3 < best && std::abs(oy + t3 * ry) >= half_width_) best = t3;
-    }
-    p.turf[i] = static_cast<float>(best);
+    std::size_t k = 0;
+    for (const float value :
+         {camera.cx, camera.cy, camera.per_fx, camera.per_fy, r(0, 0), r(0, 1), r(0, 2), r(1, 0),
+          r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2), camera.origin.x(), camera.origin.y(),
+          camera.origin.z(), lane.x, lane.y})
+      fields.values[k++][i] = value;
   }
+  const auto field = [&](std::size_t k) { return _mm256_load_ps(fields.values[k].data()); };
+  const CameraLanes camera{field(0),
+                           field(1),
+                           field(2),
+                           field(3),
+                           {{{field(4), field(5), field(6)},
+                             {field(7), field(8), field(9)},
+                             {field(10), field(11), field(12)}}},
+                           {field(13), field(14), field(15)}};
+  const Floats u = (field(16) - camera.cx) * camera.per_fx;
+  const Floats v = (field(17) - camera.cy) * camera.per_fy;
+  Floats factor, slope;
+  if (one_lens) {
+    lanes[0].camera->lens->at(u * u + v * v, factor, slope);
+  } else {
+    alignas(32) std::array<float, kLanes> radii, factors, slopes;
+    _mm256_store_ps(radii.data(), u * u + v * v);
+    for (std::size_t i = 0; i < kLanes; ++i)
+      lanes[static_cast<int>(i) < count ? i : 0].camera->lens->at(radii[i], factors[i], slopes[i]);
+    factor = _mm256_load_ps(factors.data());
+    slope = _mm256_load_ps(slopes.data());
+  }
+  const RayLanes found = rays_of(camera, u, v, factor, slope, crown());
+  _mm256_store_ps(p.dx.data(), found.d.x);
+  _mm256_store_ps(p.dy.data(), found.d.y);
+  _mm256_store_ps(p.dz.data(), found.d.z);
+  for (const auto& [to, from] :
+       {std::pair(&p.by_x, &found.by_x), std::pair(&p.by_y, &found.by_y)}) {
+    _mm256_store_ps(to->x.data(), from->x);
+    _mm256_store_ps(to->y.data(), from->y);
+    _mm256_store_ps(to->z.data(), from->z);
+  }
+  _mm256_store_ps(p.turf.data(), found.turf);
   for (int i = 0; i < count; ++i) {
     rays.ray.org_x[i] = p.origin[i].x();
     rays.ray.org_y[i] = p.origin[i].y();
@@ -149,18 +162,19 @@ void Shader::aim(const Lane* lanes, int count, Points& p, RTCRayHit8& rays) cons
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  alignas(32) std::array<int, kLanes> valid{};
-  for (int i = 0; i < count; ++i) valid[static_cast<std::size_t>(i)] = -1;
+  alignas(32) std::array<int, kLanes> solids{}, figures{};
+  bool any_solids = false, any_figures = false;
+  for (int i = 0; i < count; ++i) {
+    solids[static_cast<std::size_t>(i)] = lanes[i].solids ? -1 : 0;
+    figures[static_cast<std::size_t>(i)] = lanes[i].figures ? -1 : 0;
+    any_solids = any_solids || lanes[i].solids;
+    any_figures = any_figures || lanes[i].figures;
+  }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid.data(), ground_.scene(), &context, &rays);
-  bool any = false;
-  for (int i = 0; i < count; ++i) {
-    if (!lanes[i].figures) valid[static_cast<std::size_t>(i)] = 0;
-    any = any || lanes[i].figures;
-  }
-  if (any) rtcIntersect8(valid.data(), moment_.scene(), &context, &rays);
+  if (any_solids) rtcIntersect8(solids.data(), ground_.scene(), &context, &rays);
+  if (any_figures) rtcIntersect8(figures.data(), moment_.scene(), &context, &rays);
 }
 
 std::uint32_t Shader::meets_stand(const Lane* lanes, int count) const {
@@ -227,10 +241,10 @@ void Shader::turf_point(const Lane& lane, int i, Points& p, Sample& sample) cons
   world::TurfSample query;
   query.x = at.x();
   query.y = y;
-  const Vector3f a =
-      (p.turf[i] * p.by_x[i] - depth * normal.dot(p.by_x[i]) * d) * (lane.size + lane.smear_x);
-  const Vector3f b =
-      (p.turf[i] * p.by_y[i] - depth * normal.dot(p.by_y[i]) * d) * (lane.size + lane.smear_y);
+  const Vector3f by_x = p.by_x.at(static_cast<std::size_t>(i)),
+                 by_y = p.by_y.at(static_cast<std::size_t>(i));
+  const Vector3f a = (p.turf[i] * by_x - depth * normal.dot(by_x) * d) * (lane.size + lane.smear_x);
+  const Vector3f b = (p.turf[i] * by_y - depth * normal.dot(by_y) * d) * (lane.size + lane.smear_y);
   query.footprint = {a.x(), a.y(), b.x(), b.y()};
   query.view_x = p.direction[i].x();
   query.view_y = p.direction[i].y();

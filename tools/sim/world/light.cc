@@ -111,6 +111,15 @@ float Light::cloud_shade(float x, float y, double time_s) const {
   return 1 - static_cast<float>(c.drift) * smooth(-0.35f, 0.55f, n);
 }
 
+Floats Light::cloud_shade(Floats x, Floats y, double time_s) const {
+  const CloudSpec& c = spec_.clouds;
+  const Floats scale = all(static_cast<float>(kCloudTexels / c.drift_scale_m));
+  const Floats mx = all(static_cast<float>(c.drift_x_m_s * time_s)),
+               my = all(static_cast<float>(c.drift_y_m_s * time_s));
+  const Floats n = clouds_.bilinear((x - mx) * scale, (y - my) * scale, all_ints(0));
+  return all(1) - all(static_cast<float>(c.drift)) * smooth_step(-0.35f, 0.55f, n);
+}
+
 Colour Light::sky(const Lighting& lighting, const Eigen::Vector3f& d, double time_s) const {
   const float up = d.z();
   if (up < 0.045f) {

@@ -42,6 +42,7 @@ class Light {
   Lighting at(double time_s) const;
   // What drifting clouds leave of the sun at a place of the ground, 0-1.
   float cloud_shade(float x, float y, double time_s) const;
+  Floats cloud_shade(Floats x, Floats y, double time_s) const;
   bool has_drift() const { return spec_.clouds.drift > 0; }
   // What a ray sees that meets nothing.
   Colour sky(const Lighting& lighting, const Eigen::Vector3f& direction, double time_s) const;

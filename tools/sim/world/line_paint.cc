@@ -162,6 +162,22 @@ void LinePaint::add(const Stroke& s, LineCover& cover, int& partial, float x, fl
   sum = std::max(sum, c);
 }
 
+unsigned LinePaint::near_lines(Floats x, Floats y, Floats extent) const {
+  const Floats i = (x - all(origin_x_)) * all(1 / kCell), j = (y - all(origin_y_)) * all(1 / kCell);
+  const Floats width = all(static_cast<float>(cells_x_)),
+               height = all(static_cast<float>(cells_y_));
+  const Floats inside =
+      both(both(at_most(all(0), i), at_most(all(0), j)), both(below(i, width), below(j, height)));
+  const Floats far_reaching = below(all(kReach), extent);
+  const Ints column = whole(both(inside, i)), row = whole(both(inside, j));
+  const Ints cell = _mm256_add_epi32(_mm256_mullo_epi32(row, all_ints(cells_x_)), column);
+  const int* first = reinterpret_cast<const int*>(first_.data());
+  const Ints begin = _mm256_i32gather_epi32(first, cell, sizeof(int));
+  const Ints end = _mm256_i32gather_epi32(first + 1, cell, sizeof(int));
+  const Floats any = _mm256_castsi256_ps(_mm256_cmpgt_epi32(end, begin));
+  return bits_of(_mm256_or_ps(far_reaching, both(inside, any)));
+}
+
 LineCover LinePaint::cover(float x, float y, const Footprint& f) const {
   LineCover cover;
   int partial = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "shared/pitch/pitch_model.h"
+#include "tools/sim/world/lanes.h"
 #include "tools/sim/world/world_spec.h"
 
 namespace touchline::sim::world {
@@ -44,6 +45,9 @@ class LinePaint {
  public:
   LinePaint(const pitch::PitchModel& pitch, const LinesSpec& spec);
   LineCover cover(float x, float y, const Footprint& footprint) const;
+  // Bits of those of eight places whose cover may be more than nothing; `extent` is half of a
+  // footprint's longer side along x or y.
+  unsigned near_lines(Floats x, Floats y, Floats extent) const;
 
  private:
   enum class Shape : std::uint8_t { kStrip, kRing, kDisc };

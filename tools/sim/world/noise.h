@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/sim/world/lanes.h"
+
 namespace touchline::sim::world {
 
 // A well mixed 32-bit hash (the finaliser of MurmurHash3 over each word).
@@ -62,6 +64,43 @@ class NoiseTile {
     const float qx = 1 - px, qy = 1 - py;
     const __m128 weights = _mm_setr_ps(qx * qy, px * qy, qx * py, px * py);
     return _mm_cvtss_f32(_mm_dp_ps(texels, weights, 0xf1)) * (1.0f / 32);
+  }
+
+  // The same for eight places; levels may be negative, which is 0.
+  Floats at(Floats u, Floats v, Floats level) const {
+    const Floats held_level = held(level, 0, static_cast<float>(levels_) - 1);
+    const Ints low = whole(held_level);
+    const Floats part = held_level - floats(low);
+    const Floats a = bilinear(u, v, low);
+    const Ints last = all_ints(levels_ - 1);
+    const Floats used = _mm256_castsi256_ps(_mm256_cmpgt_epi32(last, low));
+    const Floats between = both(used, at_most(all(0.05f), part));
+    if (bits_of(between) == 0) return both(used, a);
+    const Floats b = bilinear(u, v, _mm256_min_epi32(_mm256_add_epi32(low, all_ints(1)), last));
+    return both(used, a + both(between, part) * (b - a));
+  }
+  Floats bilinear(Floats u, Floats v, Ints level) const {
+    const Ints one = all_ints(1);
+    const Ints bits = _mm256_sub_epi32(all_ints(log2_size_), level);
+    const Ints mask = _mm256_sub_epi32(_mm256_sllv_epi32(one, bits), one);
+    const Floats scale = _mm256_castsi256_ps(
+        _mm256_slli_epi32(_mm256_sub_epi32(all_ints(127), level), 23));  // 2^-level
+    const Floats x = u * scale - all(0.5f), y = v * scale - all(0.5f);
+    const Floats fx = floor_of(x), fy = floor_of(y);
+    const Floats px = x - fx, py = y - fy;
+    const Ints column = _mm256_and_si256(whole(fx), mask), row = _mm256_and_si256(whole(fy), mask);
+    const Ints first =
+        _mm256_i32gather_epi32(reinterpret_cast<const int*>(offset_), level, sizeof(int));
+    const Ints place =
+        _mm256_add_epi32(first, _mm256_add_epi32(_mm256_sllv_epi32(row, bits), column));
+    const Ints texels =
+        _mm256_i32gather_epi32(reinterpret_cast<const int*>(squares_.data()), place, sizeof(int));
+    const Floats a = floats(_mm256_srai_epi32(_mm256_slli_epi32(texels, 24), 24));
+    const Floats b = floats(_mm256_srai_epi32(_mm256_slli_epi32(texels, 16), 24));
+    const Floats c = floats(_mm256_srai_epi32(_mm256_slli_epi32(texels, 8), 24));
+    const Floats d = floats(_mm256_srai_epi32(texels, 24));
+    const Floats upper = a + px * (b - a), lower = c + px * (d - c);
+    return (upper + py * (lower - upper)) * all(1.0f / 32);
   }
 
  private:

@@ -7,18 +7,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "tools/sim/world/turf_internal.h"
+
 namespace touchline::sim::world {
 namespace {
-
-constexpr float kMacroCell = 0.125f;  // metres
-constexpr float kMargin = 14.0f;      // metres of turf described beyond the lines
-constexpr float kFineTexel = 0.012f;  // metres
-constexpr float kBladeTexel = 0.002f;
-
-const Colour kSoil(0.150f, 0.115f, 0.065f);
-const Colour kDry(0.165f, 0.170f, 0.062f);
-const Colour kCarpet(0.035f, 0.095f, 0.040f);
-const Colour kTrack(0.105f, 0.100f, 0.098f);
 
 float smooth(float low, float high, float x) {
   const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
@@ -69,8 +61,8 @@ Turf::Turf(const WorldSpec& spec, const pitch::PitchModel& pitch, std::uint64_t 
       paint_(pitch, spec.lines),
       fine_(9, 7, 0, 1.0f, stream_of(seed, "turf.fine")),
       blade_(9, 4, 1, 3.0f, stream_of(seed, "turf.blade")) {
-  macro_origin_x_ = -half_x_ - kMargin;
-  macro_origin_y_ = -half_y_ - kMargin;
+  macro_origin_x_ = -half_x_ - kTurfMargin;
+  macro_origin_y_ = -half_y_ - kTurfMargin;
   macro_width_ = static_cast<int>(-2 * macro_origin_x_ / kMacroCell) + 2;
   macro_height_ = static_cast<int>(-2 * macro_origin_y_ / kMacroCell) + 2;
   macro_.resize(2 * static_cast<std::size_t>(macro_width_) *

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "shared/pitch/pitch_model.h"
+#include "tools/sim/world/lanes.h"
 #include "tools/sim/world/line_paint.h"
 #include "tools/sim/world/noise.h"
 #include "tools/sim/world/world_spec.h"
@@ -23,10 +24,28 @@ struct TurfColour {
   bool detail = false;  // take more samples
 };
 
+// Eight samples of dry grass.
+struct TurfLanes {
+  Floats x, y;
+  Floats ax, ay, bx, by;  // footprints
+  Floats view_x, view_y, view_z;
+};
+
+struct TurfLaneColours {
+  Floats red, green, blue;
+  unsigned elsewhere = 0;  // bits of lanes to ask Turf::at about: beyond the grass
+  unsigned painted = 0;    // bits of lanes with some paint
+  unsigned edges = 0;      // of those where paint ends
+  unsigned detail = 0;
+};
+
 class Turf {
  public:
   Turf(const WorldSpec& spec, const pitch::PitchModel& pitch, std::uint64_t seed);
   TurfColour at(const TurfSample& sample) const;
+  bool wet() const { return wet_ > 0; }
+  // As Turf::at does; not for wet turf.
+  TurfLaneColours at(const TurfLanes& lanes) const;
 
  private:
   struct Macro {
@@ -34,6 +53,7 @@ class Turf {
   };
   Macro macro_at(float x, float y) const;
   float mowing(float x, float y, const TurfSample& sample) const;
+  Floats mowing(const TurfLanes& lanes) const;
 
   TurfSpec spec_;
   LinesSpec lines_;
