@@ -17,12 +17,13 @@ using Ring = std::vector<Vector2f>;
 constexpr int kThreshold = 128;  // as image::Matte has it
 constexpr float kLevel = 127.5f;
 
-// Alpha, with what cannot be told as full foreground and nothing outside the picture.
+// Alpha, with what cannot be told as full foreground and nothing outside the matte's region,
+// whatever its planes hold there.
 class Field {
  public:
   explicit Field(const image::Matte& matte) : matte_(matte) {}
   int operator()(const Vector2i& p) const {
-    if (!matte_.alpha.contains(p.x(), p.y())) return 0;
+    if (!matte_.region.contains(p.x(), p.y())) return 0;
     return (matte_.unknown(p.x(), p.y()) | matte_.occluders(p.x(), p.y())) != 0
                ? 255
                : matte_.alpha(p.x(), p.y());

@@ -80,6 +80,21 @@ TEST(Silhouettes, CountUnknownAndOccludersAsForeground) {
   EXPECT_NEAR(-area(partial.polygons[1]), 100, 2);
 }
 
+TEST(Silhouettes, EndAtTheRegionThoughAPostGoesOn) {
+  image::Matte matte = samples::empty_matte(60, 60);
+  matte.region = {20, 20, 20, 20};
+  for (int y = 0; y < 60; ++y) matte.occluders(30, y) = 255;
+  for (int x = 0; x < 60; ++x) matte.unknown(x, 25) = 255;
+  const geometry::Partial partial = trace_silhouettes(matte, 0.5f);
+  ASSERT_FALSE(partial.polygons.empty());
+  for (const geometry::SilhouettePolygon& polygon : partial.polygons) {
+    for (const Eigen::Vector2f& vertex : polygon.ring) {
+      EXPECT_GT(vertex.minCoeff(), 19);
+      EXPECT_LT(vertex.maxCoeff(), 40);
+    }
+  }
+}
+
 TEST(Silhouettes, CloseHalfAPixelOutsideThePicture) {
   image::Matte matte = samples::empty_matte(16, 12);
   for (std::size_t i = 0; i < matte.alpha.size(); ++i) matte.alpha.data()[i] = 255;
