@@ -21,7 +21,8 @@ constexpr int kTakePictures = 3;  // held frames that are tried for a head's fir
 constexpr double kLengthOff = 12;
 constexpr double kWidthOff = 7;
 constexpr double kMostCrown = 0.6;
-constexpr double kAnySize = 100;       // metres: a size that is not held against the lines
+constexpr double kAnySize = 100;  // metres: a size that is not held against the lines
+constexpr double kMostSizesWait_s = 60;
 constexpr int kTakePasses = 4;         // over the held frames, for the survey of a take
 constexpr double kTakeMisfitPx = 0.3;  // rms of a mount's lines at 1080 lines, to look for a better
 constexpr double kTakeMisfit = 1.3;    // and so much more than the better one's
@@ -138,6 +139,7 @@ struct FrameChain::Impl {
   std::vector<image::FramePtr> held;
   bool running = false;  // the hold-back is over
   bool calibrated_any = false;
+  int sizes_wait = 1;          // frames, after the next look for them
   int frames_until_sizes = 0;  // of lost frames, until the pitch's sizes are looked for again
   bool stills_failed = false;
   std::uint64_t held_bytes = 0;
@@ -332,7 +334,9 @@ struct FrameChain::Impl {
       --frames_until_sizes;
       return;
     }
-    frames_until_sizes = static_cast<int>(setup.rate.hz());
+    // It takes a second of work: a cutaway to the crowd must not hold a live unit up every second.
+    frames_until_sizes = sizes_wait;
+    sizes_wait = std::min(2 * sizes_wait, static_cast<int>(kMostSizesWait_s * setup.rate.hz()));
     std::optional<geometry::CameraEstimate> found;
     {
       const StageTimer timer(stage(kSurvey));
@@ -353,11 +357,13 @@ struct FrameChain::Impl {
     if (!take) return;
     if (!estimate.lost()) {
       frames_until_sizes = 0;
+      sizes_wait = static_cast<int>(setup.rate.hz());
       const StageTimer timer(stage(kSurvey));
       if (!take->add(frame, estimate)) return;
       if (auto result = take->solve()) better = std::move(result);
     }
-    if (estimate.lost()) find_sizes(frame, estimate);
+    // Other sizes are looked for only when there is no better mount to try first.
+    if (estimate.lost() && !better) find_sizes(frame, estimate);
     if (!better) return;
     const double scale = frame.height() / 1080.0;
     const bool misfit = better->rms_before_px > kTakeMisfitPx * scale &&

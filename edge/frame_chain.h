@@ -52,7 +52,7 @@ struct ChainOptions {
   int hold_back_mib =
       560;  // and no more than this of them, MiB (2160p frames take 32 each); 16..65536
   double survey_retry_s =
-      5;  // a camera that could not be solved from its frames is tried again; 0.1..3600
+      2;  // a camera that could not be solved from its frames is tried again; 0.1..3600
   int detail_frames = 6;        // of those, how many the detail estimate looks at; 1..50
   int fixed_survey_frames = 6;  // of those, how many a fixed camera is solved from; 1..64
   int plate_publish_frames =
