@@ -3,9 +3,10 @@
 set -euo pipefail
 bin=$1
 cd "$(dirname "$0")/../.."
+source tests/support/says.sh
 export TOUCHLINE_BENCH_FRAMES=2
 only='^compensate/.*1080p'
-tools/bench --bin "$bin" --quick --filter "$only" | grep -Eq 'compensate +1080p .*OpenCV.*<= 1 ms: (yes|no)'
+tools/bench --bin "$bin" --quick --filter "$only" | says -E 'compensate +1080p .*OpenCV.*<= 1 ms: (yes|no)'
 tools/bench --bin "$bin" --quick --filter "$only" --json | python3 -c '
 import json, sys
 report = json.load(sys.stdin)

@@ -8,6 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 
+source "$root/tests/support/says.sh"
 wrong() { echo "WRONG: $*" >&2; exit 1; }
 import() { "$root/tools/import" "$@"; }
 video() { ffmpeg -nostdin -v error -y -f lavfi -i testsrc2=size="$1":rate="$2":duration=0.8 "${@:3}" || wrong "no test video ${*: -1}"; }
@@ -43,12 +44,12 @@ has many 'side = "reverse"'; has many 'length_m = 104.0'; has many 'width_m = 67
 [ "$(grep -c 'side = "left"' many/recording.toml)" = 2 ] || wrong "the last side does not serve the videos after it"
 [ "$(ffprobe -v error -count_packets -show_entries stream=nb_read_packets -of csv=p=0 many/f1/video.mkv)" = 3 ] || wrong "three stills are not three frames"
 [ ! -L many/f2/video.mp4 ] || wrong "--copy linked"
-listed many | grep -q '"frame_rate":"30000/1001"' || wrong "a camera lost its own rate"
+listed many | says '"frame_rate":"30000/1001"' || wrong "a camera lost its own rate"
 
 import uneven.mkv gap > /dev/null || wrong "uneven.mkv is refused"
 [ "$(sed -n 6p gap/m1/timing.csv | cut -d, -f1,2)" = 4,240000000 ] || { cat gap/m1/timing.csv; wrong "frame 4 is not at its own time"; }
 listed gap > /dev/null
-"$bin/touchline-edge" check --recording gap --camera m1 | grep -q 'pass *video' || wrong "the video of gap is not read"
+"$bin/touchline-edge" check --recording gap --camera m1 | says 'pass *video' || wrong "the video of gap is not read"
 
 refused 2 'holds no video' text.mp4 bad
 refused 2 'no such file' missing.mp4 bad
@@ -57,5 +58,5 @@ refused 2 'is no recording' plain.mp4 stills --force
 refused 2 '--side is one of' plain.mp4 bad --side north
 refused 2 usage plain.mp4
 import plain.mp4 one --force --sport rugby > /dev/null && has one 'sport = "rugby"' || wrong "--force does not replace a recording"
-import --help | grep -q example || wrong "no example in --help"
+import --help | says example || wrong "no example in --help"
 exit 0

@@ -7,6 +7,7 @@ check=$1 bin=$(realpath "$2") recording=$(realpath "$3")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+source "$root/tests/support/says.sh"
 wrong() { echo "WRONG: $*" >&2; exit 1; }
 replay() { "$root/tools/replay" "$@" --bin "$bin"; }
 hub() { "$bin/touchline-hub" "$@"; }
@@ -47,7 +48,7 @@ check_killed_edge() {
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code of a replay with a killed edge is not 1"; }
   grep -q 'm2.*killed' "$work/out" || { cat "$work/out"; wrong "the killed edge is not named"; }
   [ "$(frames_of "$work/s" f1)" = "$(frames_in "$recording" f1)" ] || wrong "f1 is not complete"
-  hub info --session "$work/s" | grep -q 'TROUBLE *m2' || wrong "the session does not name m2"
+  hub info --session "$work/s" | says 'TROUBLE *m2' || wrong "the session does not name m2"
 }
 
 # A copy of the recording that a check may spoil; the videos are links.
@@ -125,7 +126,7 @@ check_duplicate_id() {
   [ $(((a == 0) + (b == 0))) = 1 ] || wrong "exit codes $a and $b: exactly one of the two should work"
   [ "$h" = 1 ] || wrong "the hub's exit code is $h, not 1"
   grep -q 'f1' "$work/hub" || wrong "the hub does not name f1"
-  cat "$work/first" "$work/second" | grep -Eq 'f1.*(already|another|second)' || wrong "the unit turned away does not say why"
+  cat "$work/first" "$work/second" | says -E 'f1.*(already|another|second)' || wrong "the unit turned away does not say why"
   [ "$(frames_of "$work/s" f1)" = "$(frames_in "$recording" f1)" ] || wrong "f1 is not complete"
 }
 
@@ -135,7 +136,7 @@ check_full_disk() {
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code with a full disk is not 1"; }
   grep -Eqi 's/.*(space|large|disk|full|written)' "$work/out" || { cat "$work/out"; wrong "nothing names the full disk"; }
   hub verify --session "$work/s" || wrong "what was written is not readable"
-  hub info --session "$work/s" | grep -q 'NOT FINISHED' || wrong "nothing says that the session is unfinished"
+  hub info --session "$work/s" | says 'NOT FINISHED' || wrong "nothing says that the session is unfinished"
 }
 
 # A hub that is killed leaves a session that can be read.
@@ -154,7 +155,7 @@ check_killed_hub() {
   wait "$replaying"
   [ $? = 1 ] || { cat "$work/out"; wrong "the exit code of a replay with a killed hub is not 1"; }
   hub verify --session "$work/s" || wrong "the session is not readable"
-  hub info --session "$work/s" | grep -q 'NOT FINISHED' || wrong "nothing says that the session is unfinished"
+  hub info --session "$work/s" | says 'NOT FINISHED' || wrong "nothing says that the session is unfinished"
 }
 
 "check_$check" && echo "$check: ok"

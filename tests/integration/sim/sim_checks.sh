@@ -5,6 +5,7 @@ cd "$(dirname "$0")/../../.."
 check=$1 sim=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+source tests/support/says.sh
 wrong() { echo "WRONG: $*" >&2; exit 1; }
 small=(--size 320x180 --frames 3 --cameras m1,f1)
 
@@ -35,7 +36,7 @@ check_refuses() {
   [ $code = 2 ] && grep -q x9 "$work/log" || wrong "an unknown camera ends with $code"
   "$sim" tests/data/scenes/penalty.toml "$work/r" --size big 2> /dev/null; code=$?
   [ $code = 2 ] || wrong "a bad size ends with $code"
-  "$sim" --help | grep -q Example || wrong "--help has no example"
+  "$sim" --help | says Example || wrong "--help has no example"
   [ ! -e "$work/r" ] || wrong "a refused run made a folder"
 }
 
