@@ -84,10 +84,10 @@ void capture_frames(capture::FrameSource& source, base::BoundedQueue<image::Fram
 }
 
 void process_frames(const ChainSetup& setup, const ChainOptions& options,
-                    std::vector<image::Frame> stills, base::BoundedQueue<image::FramePtr>& in,
-                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
-                    std::stop_token stop) {
-  auto chain = FrameChain::make(setup, options, std::move(stills));
+                    std::vector<image::Frame> stills, runtime::Executor& executor,
+                    base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
+                    ChainReport& report, Trouble& trouble, std::stop_token stop) {
+  auto chain = FrameChain::make(setup, options, std::move(stills), &executor);
   if (!chain) {
     trouble.set(chain.error());
     in.close();
@@ -126,9 +126,15 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
   const std::stop_callback forward(stop, [&] { end.request_stop(); });
   std::jthread capture_thread(
       [&] { capture_frames(source, captured, frames_read, trouble, end.get_token()); });
+  std::unique_ptr<runtime::Executor> executor;
+  if (live) {
+    executor = std::make_unique<runtime::BackgroundExecutor>(1);
+  } else {
+    executor = std::make_unique<runtime::InlineExecutor>();
+  }
   std::jthread process_thread([&] {
-    process_frames(setup, config.chain, std::move(stills.frames), captured, outgoing, report.chain,
-                   trouble, end.get_token());
+    process_frames(setup, config.chain, std::move(stills.frames), *executor, captured, outgoing,
+                   report.chain, trouble, end.get_token());
   });
 
   // This thread publishes.

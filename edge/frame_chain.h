@@ -8,59 +8,35 @@
 #include <string>
 #include <vector>
 
-#include "edge/calibrate/calibrator.h"
-#include "edge/calibrate/side.h"
 #include "edge/calibrate/survey.h"
-#include "edge/calibrate/take_survey.h"
+#include "edge/chain_setup.h"
 #include "edge/compensate/detail_estimator.h"
 #include "edge/encode/assemble.h"
 #include "edge/key/key.h"
+#include "edge/mount_finder.h"
 #include "edge/plate/plate_builder.h"
+#include "edge/stage_time.h"
 #include "edge/state/detail_model.h"
-#include "shared/base/ids.h"
 #include "shared/base/result.h"
-#include "shared/base/time.h"
 #include "shared/codec/camera_view.h"
 #include "shared/codec/encoded_plate.h"
 #include "shared/codec/plate_codec.h"
 #include "shared/codec/view_codec.h"
 #include "shared/geometry/camera_estimate.h"
 #include "shared/image/frame.h"
-#include "shared/pitch/pitch_model.h"
+#include "shared/runtime/executor.h"
 
 namespace touchline::edge {
-
-enum class HeadKind : std::uint8_t {
-  kHead,     // pans, tilts and zooms from one place
-  kFixed,    // does not move
-  kCloseup,  // a head that may show too few lines to be solved: lost is then an expected answer
-};
-
-// What the installer states about the camera.
-struct ChainSetup {
-  base::CameraId camera;
-  HeadKind kind = HeadKind::kHead;
-  calibrate::Side side = calibrate::Side::kMain;
-  pitch::Sport sport = pitch::Sport::kSoccer;
-  pitch::PitchSizes
-      sizes;  // as measured; what nobody measured is found by the survey where it can be
-  base::FrameRate rate;
-};
 
 struct ChainOptions {
   double hold_back_s = 2;  // frames held at the start while detail and plate are learnt; 0..2
   int hold_back_mib =
       560;  // and no more than this of them, MiB (2160p frames take 32 each); 16..65536
-  double survey_retry_s =
-      2;  // a camera that could not be solved from its frames is tried again; 0.1..3600
-  int detail_frames = 6;        // of those, how many the detail estimate looks at; 1..50
-  int fixed_survey_frames = 6;  // of those, how many a fixed camera is solved from; 1..64
+  int detail_frames = 6;  // of those, how many the detail estimate looks at; 1..50
   int plate_publish_frames =
       250;  // frames between two looks at which plate tiles changed; 1..100000
   compensate::DetailOptions detail;
-  calibrate::SurveyOptions survey;
-  calibrate::TakeSurveyOptions take;  // its survey options are those above
-  calibrate::CalibrateOptions calibrate;
+  MountOptions mount;
   plate::PlateOptions plate;
   key::KeyOptions key;
   encode::EncodeOptions encode;
@@ -75,13 +51,6 @@ struct ChainOutput {
   std::vector<codec::EncodedView> views;
   std::vector<codec::EncodedPlateTile> plates;
   std::vector<std::string> notes;  // for the log and the unit's status, in order
-};
-
-// Time spent, summed over frames.
-struct StageTime {
-  std::string stage;
-  double seconds = 0;
-  std::uint64_t frames = 0;
 };
 
 struct ChainReport {
@@ -107,9 +76,11 @@ base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,
 class FrameChain {
  public:
   // `stills` are the survey stills of a head (empty where there are none). The mount is solved
-  // here.
+  // here. Slow work while running goes to the executor, which must outlive the chain; without one
+  // it is done at once.
   static base::Result<FrameChain> make(const ChainSetup& setup, const ChainOptions& options,
-                                       std::vector<image::Frame> stills);
+                                       std::vector<image::Frame> stills,
+                                       runtime::Executor* executor = nullptr);
   FrameChain(FrameChain&&) noexcept;
   FrameChain& operator=(FrameChain&&) noexcept;
   ~FrameChain();
