@@ -39,6 +39,23 @@ void read_chain(config::Document& document, ChainOptions& chain) {
       static_cast<int>(encode.integer("plate_quality", chain.plate_tiles.quality, {1, 100}));
 }
 
+void read_tracking(config::Document& document, publish::TrackingOptions& tracking) {
+  config::Table table = document.root().table("tracking");
+  tracking.free_d_to = table.texts("free_d_to", tracking.free_d_to);
+  tracking.open_track_io_to = table.texts("open_track_io_to", tracking.open_track_io_to);
+  tracking.interface = table.text("interface", tracking.interface);
+  tracking.ttl = static_cast<int>(table.integer("ttl", tracking.ttl, {1, 255}));
+  tracking.sensor_width_mm = table.number("sensor_width_mm", tracking.sensor_width_mm, {1, 100});
+  tracking.free_d_camera_id =
+      static_cast<int>(table.integer("free_d_camera_id", tracking.free_d_camera_id, {0, 255}));
+  tracking.source_number =
+      static_cast<int>(table.integer("source_number", tracking.source_number, {1, 200}));
+  tracking.checksum = table.choice<publish::ChecksumOrder>(
+      "checksum", tracking.checksum,
+      {{"second-sum-first", publish::ChecksumOrder::kSecondSumFirst},
+       {"first-sum-first", publish::ChecksumOrder::kFirstSumFirst}});
+}
+
 }  // namespace
 
 base::Status EdgeConfig::validate() const {
@@ -52,6 +69,7 @@ base::Status EdgeConfig::validate() const {
                       fmt::format("{} is out of bounds", hub_timeout_s), "use a value in 1..3600");
   }
   if (base::Status status = link.validate(); !status) return status;
+  if (base::Status status = tracking.validate(); !status) return status;
   return chain.validate();
 }
 
@@ -73,6 +91,7 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path) {
   read_link(wire, out.link);
   out.hub_timeout_s = wire.number("hub_timeout_s", out.hub_timeout_s, {1, 3600});
   read_chain(*document, out.chain);
+  read_tracking(*document, out.tracking);
   if (base::Status status = document->finish(); !status) return base::fail(status.error());
   return out;
 }

@@ -8,6 +8,7 @@
 
 #include "edge/capture/recording_source.h"
 #include "edge/frame_chain.h"
+#include "edge/publish/tracking_out.h"
 #include "shared/base/ids.h"
 #include "shared/base/result.h"
 #include "shared/recording/recording.h"
@@ -23,6 +24,7 @@ struct EdgeConfig {
   wire::LinkOptions link;
   double hub_timeout_s = 60;  // how long the unit waits for a hub at the start, seconds; 1..3600
   ChainOptions chain;
+  publish::TrackingOptions tracking;  // to graphics engines; to nobody unless receivers are named
 
   base::Status validate() const;
 };

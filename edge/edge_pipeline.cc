@@ -26,6 +26,7 @@ constexpr std::uint64_t kStatusFrames = 25;
 struct Outgoing {
   ChainOutput output;
   ChainReport report;
+  publish::TrackingCounts tracking;
 };
 
 // The first trouble wins; later ones are logged only.
@@ -48,7 +49,8 @@ class Trouble {
 
 publish::UnitStatus unit_status(const EdgeConfig& config, std::uint32_t epoch,
                                 const std::string& source_name, const ChainReport& report,
-                                std::uint64_t sent, std::uint64_t dropped) {
+                                const publish::TrackingCounts& tracking, std::uint64_t sent,
+                                std::uint64_t dropped) {
   publish::UnitStatus status;
   status.camera = config.camera;
   status.epoch = epoch;
@@ -59,6 +61,7 @@ publish::UnitStatus unit_status(const EdgeConfig& config, std::uint32_t epoch,
     const double mean_s = stage.seconds / static_cast<double>(stage.frames);
     status.stages.push_back({stage.stage, 1 / std::max(mean_s, 1e-5), 1e3 * mean_s});
   }
+  status.drops = tracking.drops;
   if (dropped > 0) status.drops["capture-queue"] = dropped;
   if (report.encode_failures > 0) status.drops["encode"] = report.encode_failures;
   status.frames_read = report.frames_in;
@@ -85,8 +88,9 @@ void capture_frames(capture::FrameSource& source, base::BoundedQueue<image::Fram
 
 void process_frames(const ChainSetup& setup, const ChainOptions& options,
                     std::vector<image::Frame> stills, runtime::Executor& executor,
-                    base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
-                    ChainReport& report, Trouble& trouble, std::stop_token stop) {
+                    publish::TrackingOut& tracking, base::BoundedQueue<image::FramePtr>& in,
+                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
+                    std::stop_token stop) {
   auto chain = FrameChain::make(setup, options, std::move(stills), &executor);
   if (!chain) {
     trouble.set(chain.error());
@@ -94,10 +98,16 @@ void process_frames(const ChainSetup& setup, const ChainOptions& options,
     out.close();
     return;
   }
+  // Graphics engines are served from here: the way to the hub may be slow, or wait.
+  const auto hand_on = [&](ChainOutput output) {
+    for (const codec::EncodedView& view : output.views) tracking.send(view);
+    for (std::string& note : tracking.take_notes()) output.notes.push_back(std::move(note));
+    return out.push({std::move(output), chain->report(), tracking.counts()}, stop);
+  };
   while (auto frame = in.pop(stop)) {
-    if (!out.push({chain->push(std::move(*frame)), chain->report()}, stop)) break;
+    if (!hand_on(chain->push(std::move(*frame)))) break;
   }
-  if (!stop.stop_requested()) out.push({chain->finish(), chain->report()}, stop);
+  if (!stop.stop_requested()) hand_on(chain->finish());
   report = chain->report();
   if (report.survey_error) trouble.set(*report.survey_error);
   out.close();
@@ -111,6 +121,8 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
   if (base::Status status = config.validate(); !status) return base::fail(status.error());
   auto link = wire::EdgeLink::open(config.link, config.camera, epoch);
   if (!link) return base::fail(link.error());
+  auto tracking = publish::TrackingOut::open(config.tracking, setup.rate);
+  if (!tracking) return base::fail(tracking.error());
 
   const bool live = config.link.mode == wire::Mode::kLive;
   base::BoundedQueue<image::FramePtr> captured(
@@ -133,8 +145,8 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
     executor = std::make_unique<runtime::InlineExecutor>();
   }
   std::jthread process_thread([&] {
-    process_frames(setup, config.chain, std::move(stills.frames), *executor, captured, outgoing,
-                   report.chain, trouble, end.get_token());
+    process_frames(setup, config.chain, std::move(stills.frames), *executor, *tracking, captured,
+                   outgoing, report.chain, trouble, end.get_token());
   });
 
   // This thread publishes.
@@ -171,8 +183,9 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
       }
       if (!text.empty() || report.frames_sent >= last_status + kStatusFrames) {
         last_status = report.frames_sent;
-        publish::UnitStatus status = unit_status(config, epoch, source_name, item->report,
-                                                 report.frames_sent, captured.dropped());
+        publish::UnitStatus status =
+            unit_status(config, epoch, source_name, item->report, item->tracking,
+                        report.frames_sent, captured.dropped());
         status.text = text;
         if (base::Status sent = (*link)->send(publish::to_message(status)); !sent) return sent;
       }
@@ -191,10 +204,11 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
 
   report.frames_read = frames_read;
   report.frames_dropped = captured.dropped();
+  report.tracking = tracking->counts();
   report.trouble = trouble.first();
   if (!published) return base::fail(published.error());
 
-  publish::UnitStatus last = unit_status(config, epoch, source_name, report.chain,
+  publish::UnitStatus last = unit_status(config, epoch, source_name, report.chain, report.tracking,
                                          report.frames_sent, report.frames_dropped);
   last.state = report.trouble ? publish::UnitState::kFailed : publish::UnitState::kEnded;
   if (report.trouble) last.text = base::to_string(*report.trouble);

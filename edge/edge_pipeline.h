@@ -9,6 +9,7 @@
 #include "edge/capture/frame_source.h"
 #include "edge/edge_config.h"
 #include "edge/frame_chain.h"
+#include "edge/publish/tracking_out.h"
 #include "shared/base/result.h"
 
 namespace touchline::edge {
@@ -19,6 +20,7 @@ struct EdgeReport {
   std::uint64_t frames_sent = 0;
   std::uint64_t frames_dropped = 0;  // live only: the oldest made room
   std::uint64_t bytes_sent = 0;
+  publish::TrackingCounts tracking;  // to graphics engines
   // What went wrong although everything that could be sent was sent: a truncated video, a failed
   // survey.
   std::optional<base::Error> trouble;

@@ -31,6 +31,8 @@ struct Arguments {
   std::string profile;
   int domain = -1;
   std::string tag;
+  std::vector<std::string> free_d;
+  std::vector<std::string> open_track_io;
   bool json = false;
   bool ids = false;
 };
@@ -56,6 +58,9 @@ base::Result<edge::EdgeConfig> config_of(const Arguments& arguments) {
   }
   if (arguments.domain >= 0) config.link.domain = arguments.domain;
   if (!arguments.tag.empty()) config.link.tag = arguments.tag;
+  if (!arguments.free_d.empty()) config.tracking.free_d_to = arguments.free_d;
+  if (!arguments.open_track_io.empty()) config.tracking.open_track_io_to = arguments.open_track_io;
+  config.tracking.system = config.link.tag;
   if (config.recording.empty()) {
     return base::fail(base::ErrorKind::kArgument, "source", "no source of frames is named",
                       "give --recording, or [source] recording in the unit's TOML");
@@ -100,6 +105,12 @@ int run(const Arguments& arguments) {
     out["frames_lost_track"] = report->chain.frames_lost;
     out["frames_dropped"] = report->frames_dropped;
     out["bytes_sent"] = report->bytes_sent;
+    if (config->tracking.any()) {
+      out["tracking"] = {{"free_d", report->tracking.free_d},
+                         {"open_track_io", report->tracking.open_track_io},
+                         {"lost_frames", report->tracking.lost_frames},
+                         {"drops", report->tracking.drops}};
+    }
     out["survey_rms_px"] = report->chain.survey_rms_px;
     out["detail"] = {{"horizontal", report->chain.detail.horizontal},
                      {"vertical", report->chain.detail.vertical}};
@@ -120,6 +131,10 @@ int run(const Arguments& arguments) {
         fmt::format("{} frames read, {} sent, {} without calibration, {:.1f} MB; ms a frame:{}",
                     report->frames_read, report->frames_sent, report->chain.frames_lost,
                     static_cast<double>(report->bytes_sent) / 1e6, stages));
+    if (config->tracking.any()) {
+      base::log_info(fmt::format("tracking out: {} free-d messages, {} OpenTrackIO samples",
+                                 report->tracking.free_d, report->tracking.open_track_io));
+    }
   }
   return report->trouble ? 1 : 0;
 }
@@ -306,6 +321,10 @@ int main(int argc, char** argv) {
   run_verb
       ->add_option("--pace", arguments.pace, "of a recording: wall-clock, or as fast as possible")
       ->check(CLI::IsMember({"real", "max"}));
+  run_verb->add_option("--free-d", arguments.free_d,
+                       "address:port that gets free-d D1 messages; may be given again");
+  run_verb->add_option("--open-track-io", arguments.open_track_io,
+                       "address:port that gets OpenTrackIO samples (239.135.1.N:55555 is usual)");
   run_verb->footer("example: touchline-edge run --config /etc/touchline/unit.toml");
   CLI::App* list_verb = app.add_subcommand("list", "the sources there are");
   list_verb->add_option("--recording", arguments.recording, "a folder with recording.toml")

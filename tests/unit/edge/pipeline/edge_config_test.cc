@@ -37,6 +37,33 @@ TEST(EdgeConfig, TheFileForInstallersShowsTheDefaults) {
   EXPECT_EQ(shown->chain.encode.tile_margin_px, built_in.chain.encode.tile_margin_px);
   EXPECT_EQ(shown->chain.codec.tiles.quality, built_in.chain.codec.tiles.quality);
   EXPECT_EQ(shown->chain.plate_tiles.quality, built_in.chain.plate_tiles.quality);
+  EXPECT_EQ(shown->tracking.free_d_to, built_in.tracking.free_d_to);
+  EXPECT_EQ(shown->tracking.open_track_io_to, built_in.tracking.open_track_io_to);
+  EXPECT_EQ(shown->tracking.interface, built_in.tracking.interface);
+  EXPECT_EQ(shown->tracking.ttl, built_in.tracking.ttl);
+  EXPECT_EQ(shown->tracking.sensor_width_mm, built_in.tracking.sensor_width_mm);
+  EXPECT_EQ(shown->tracking.free_d_camera_id, built_in.tracking.free_d_camera_id);
+  EXPECT_EQ(shown->tracking.source_number, built_in.tracking.source_number);
+  EXPECT_EQ(shown->tracking.checksum, built_in.tracking.checksum);
+}
+
+TEST(EdgeConfig, ReceiversOfTrackingDataAreRead) {
+  const support::TempFolder folder;
+  const auto loaded =
+      load_edge_config(write(folder,
+                             "[camera]\nid = \"m1\"\n[tracking]\nfree_d_to = [\"10.0.0.9:40000\"]\n"
+                             "open_track_io_to = [\"239.135.1.3:55555\"]\nsource_number = 3\n"
+                             "checksum = \"first-sum-first\"\n"));
+  ASSERT_TRUE(loaded.has_value()) << base::to_string(loaded.error());
+  EXPECT_THAT(loaded->tracking.free_d_to, testing::ElementsAre("10.0.0.9:40000"));
+  EXPECT_THAT(loaded->tracking.open_track_io_to, testing::ElementsAre("239.135.1.3:55555"));
+  EXPECT_EQ(loaded->tracking.source_number, 3);
+  EXPECT_EQ(loaded->tracking.checksum, publish::ChecksumOrder::kFirstSumFirst);
+  EdgeConfig config = *loaded;
+  EXPECT_TRUE(config.validate().has_value());
+  config.tracking.free_d_to = {"graphics"};
+  ASSERT_FALSE(config.validate().has_value());
+  EXPECT_EQ(config.validate().error().where, "free_d_to");
 }
 
 TEST(EdgeConfig, AnUnknownKeyIsRefusedWithItsLine) {
