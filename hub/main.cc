@@ -15,6 +15,7 @@
 #include "hub/ingest_pipeline.h"
 #include "hub/session_export.h"
 #include "hub/shot_pipeline.h"
+#include "hub/side_findings.h"
 #include "shared/base/log.h"
 #include "shared/recording/camera_table.h"
 #include "shared/runtime/service.h"
@@ -68,6 +69,21 @@ std::string time_of_start() {
   return std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &utc) > 0 ? text : "session";
 }
 
+// Cameras whose side was stated wrongly; none where that cannot be looked at.
+std::vector<hub::SideTrouble> turned_cameras(const std::filesystem::path& session) {
+  auto shot = hub::Shot::open(session, {});
+  if (!shot) return {};
+  auto findings = hub::check_sides(*shot);
+  return findings ? std::move(findings->troubles) : std::vector<hub::SideTrouble>();
+}
+
+nlohmann::ordered_json to_json(const std::vector<hub::SideTrouble>& troubles) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const hub::SideTrouble& trouble : troubles)
+    out.push_back({{"id", trouble.camera.value}, {"trouble", trouble.text}});
+  return out;
+}
+
 int run(const Arguments& arguments) {
   base::Result<hub::HubConfig> config;
   if (!arguments.recording.empty()) {
@@ -108,6 +124,7 @@ int run(const Arguments& arguments) {
   const auto report = hub::ingest(*config, folder, options, (*service)->stop_token());
   (*service)->stopping("");
   if (!report) return failed(report.error());
+  const std::vector<hub::SideTrouble> turned = turned_cameras(folder);
   if (arguments.json) {
     nlohmann::ordered_json out;
     out["session"] = folder.string();
@@ -123,6 +140,7 @@ int run(const Arguments& arguments) {
                                 {"bytes", camera.bytes},
                                 {"trouble", camera.trouble}});
     }
+    out["turned"] = to_json(turned);
     std::printf("%s\n", out.dump().c_str());
   } else {
     for (const hub::IngestCamera& camera : report->cameras) {
@@ -132,6 +150,8 @@ int run(const Arguments& arguments) {
                       camera.plate_tiles, static_cast<double>(camera.bytes) / 1e6,
                       camera.trouble.empty() ? "" : " TROUBLE: ", camera.trouble));
     }
+    for (const hub::SideTrouble& trouble : turned)
+      base::log_error(fmt::format("{}: TROUBLE: {}", trouble.camera.value, trouble.text));
     base::log_info(
         fmt::format("{} instants, {} with every camera", report->instants, report->whole_instants));
   }
@@ -302,6 +322,7 @@ int verify(const Arguments& arguments) {
   options.decode = arguments.decode;
   const auto report = session->verify(options);
   if (!report) return failed(report.error());
+  const std::vector<hub::SideTrouble> turned = turned_cameras(arguments.session);
   if (arguments.json) {
     nlohmann::ordered_json out = {
         {"sound", report->sound()},      {"finished", report->open.finished},
@@ -309,12 +330,15 @@ int verify(const Arguments& arguments) {
         {"faults", report->fault_count}, {"missing_segments", report->open.missing_segments}};
     for (const session::VerifyFault& fault : report->faults)
       out["fault_list"].push_back({{"where", fault.where}, {"what", fault.what}});
+    out["turned"] = to_json(turned);
     std::printf("%s\n", out.dump().c_str());
   } else {
     for (const session::VerifyFault& fault : report->faults)
       std::printf("FAULT %s: %s\n", fault.where.c_str(), fault.what.c_str());
     for (const std::string& segment : report->open.missing_segments)
       std::printf("MISSING %s\n", segment.c_str());
+    for (const hub::SideTrouble& trouble : turned)
+      std::printf("TROUBLE %s: %s\n", trouble.camera.value.c_str(), trouble.text.c_str());
     std::printf("%s: %zu payloads, %.1f MB, %zu faults%s\n",
                 report->sound() ? "sound" : "NOT SOUND", report->payloads,
                 static_cast<double>(report->bytes) / 1e6, report->fault_count,
@@ -404,7 +428,8 @@ int main(int argc, char** argv) {
   session_flag(info_verb);
   json_flag(info_verb);
   info_verb->footer("example: touchline-hub info --session out/s");
-  CLI::App* verify_verb = app.add_subcommand("verify", "check every payload of a session");
+  CLI::App* verify_verb = app.add_subcommand(
+      "verify", "check every payload of a session, and that its cameras agree about people");
   session_flag(verify_verb);
   json_flag(verify_verb);
   verify_verb->add_flag("--decode", arguments.decode, "decode every payload as well");

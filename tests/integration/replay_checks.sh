@@ -109,6 +109,17 @@ check_no_lines() {
   [ "$(frames_of "$work/s" f1)" = 5 ] || wrong "the frames without lines are not in the session"
 }
 
+# A camera whose side was stated wrongly is solved as its mirror image, and named because it disagrees about people.
+check_wrong_side() {
+  copy
+  sed -i '/^id = "m3"/,/^video/ s/^side = .*/side = "left"/' "$work/r/recording.toml"
+  replay "$work/r" "$work/s" --camera m1 --camera m3 --camera f1 > "$work/out" 2>&1 || { cat "$work/out"; wrong "the replay failed"; }
+  says 'm3.*TROUBLE.*state side = "right"' < "$work/out" || { cat "$work/out"; wrong "the replay does not name m3"; }
+  hub verify --session "$work/s" > "$work/verify" || wrong "the session is not sound"
+  says '^TROUBLE m3:.*state side = "right"' < "$work/verify" || { cat "$work/verify"; wrong "verify does not name m3"; }
+  [ "$(grep -c '^TROUBLE' "$work/verify")" = 1 ] || { cat "$work/verify"; wrong "another camera is named"; }
+}
+
 # A second unit that claims a camera's id is turned away and named on both sides; the first goes on.
 check_duplicate_id() {
   local domain=$((10 + RANDOM % 80)) tag=duplicate-$$
