@@ -36,16 +36,6 @@ compensate::Compensator compensator_of(const compensate::DetailOptions& options,
   return compensate::Compensator(model);
 }
 
-void compensate_stills(const compensate::DetailOptions& options,
-                       std::vector<image::Frame>& stills) {
-  std::vector<image::FramePtr> frames;
-  for (image::Frame& still : stills)
-    frames.push_back(std::make_shared<const image::Frame>(std::move(still)));
-  state::DetailModel detail;
-  const auto undo = compensator_of(options, frames, static_cast<int>(frames.size()), detail);
-  for (std::size_t i = 0; i < frames.size(); ++i) stills[i] = undo.apply(*frames[i]);
-}
-
 }  // namespace
 
 base::Status ChainOptions::validate() const {
@@ -64,6 +54,16 @@ base::Status ChainOptions::validate() const {
     if (!part) return part;
   }
   return {};
+}
+
+void compensate_stills(const compensate::DetailOptions& options,
+                       std::vector<image::Frame>& stills) {
+  std::vector<image::FramePtr> frames;
+  for (image::Frame& still : stills)
+    frames.push_back(std::make_shared<const image::Frame>(std::move(still)));
+  state::DetailModel detail;
+  const auto undo = compensator_of(options, frames, static_cast<int>(frames.size()), detail);
+  for (std::size_t i = 0; i < frames.size(); ++i) stills[i] = undo.apply(*frames[i]);
 }
 
 base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,

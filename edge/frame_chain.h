@@ -67,6 +67,9 @@ struct ChainReport {
   std::optional<base::Error> survey_error;
 };
 
+// Undoes the camera's detail setting in its survey stills, in place.
+void compensate_stills(const compensate::DetailOptions& options, std::vector<image::Frame>& stills);
+
 // Mount and lens of a head from its survey stills, which are compensated in place. The chain does
 // this itself; `survey` and `check` show it to the installer.
 base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,

@@ -11,6 +11,7 @@
 
 #include "edge/edge_config.h"
 #include "edge/edge_pipeline.h"
+#include "edge/survey_report.h"
 #include "shared/base/log.h"
 #include "shared/runtime/clock.h"
 #include "shared/runtime/service.h"
@@ -35,6 +36,7 @@ struct Arguments {
   std::vector<std::string> open_track_io;
   bool json = false;
   bool ids = false;
+  bool measure = false;
 };
 
 int failed(const base::Error& error) {
@@ -237,58 +239,36 @@ int check(const Arguments& arguments) {
   return checks.finish();
 }
 
+// What the installer measured of the pitch, or with --measure nothing.
+recording::Recording stated(recording::Recording recording, bool measure) {
+  if (measure) recording.sizes = {};
+  return recording;
+}
+
 int survey(const Arguments& arguments) {
-  auto config = config_of(arguments);
-  if (!config) return failed(config.error());
-  auto recording = recording::load_recording(config->recording);
+  edge::EdgeConfig config;
+  if (!arguments.config.empty()) {
+    auto loaded = edge::load_edge_config(arguments.config);
+    if (!loaded) return failed(loaded.error());
+    config = std::move(*loaded);
+  }
+  if (!arguments.recording.empty()) config.recording = arguments.recording;
+  if (!arguments.camera.empty()) config.camera.value = arguments.camera;
+  if (config.recording.empty()) {
+    return failed({base::ErrorKind::kArgument, "survey", "no recording is named",
+                   "give --recording, or [source] recording in the unit's TOML"});
+  }
+  auto recording = recording::load_recording(config.recording);
   if (!recording) return failed(recording.error());
-  auto setup = edge::chain_setup(*recording, config->camera);
-  if (!setup) return failed(setup.error());
-  edge::SurveyStills stills = edge::load_stills(*recording->find(config->camera));
-  for (const base::Error& trouble : stills.troubles) static_cast<void>(failed(trouble));
-  if (stills.frames.empty()) {
-    return failed({base::ErrorKind::kConfiguration, config->camera.value, "has no survey stills",
-                   "put 12 to 16 stills of the empty pitch in its survey folder, over the whole "
-                   "range of the head"});
-  }
-  const auto result = edge::survey_mount(*setup, config->chain, stills.frames);
-  if (!result) return failed(result.error());
-  const geometry::Mount& mount = result->mount;
-  constexpr double kDegrees = 180 / 3.14159265358979323846;
-  if (arguments.json) {
-    nlohmann::ordered_json out;
-    out["camera"] = config->camera.value;
-    out["position_m"] = {mount.position_in_world.x(), mount.position_in_world.y(),
-                         mount.position_in_world.z()};
-    out["position_sd_m"] = {std::sqrt(mount.covariance(0, 0)), std::sqrt(mount.covariance(1, 1)),
-                            std::sqrt(mount.covariance(2, 2))};
-    out["level_deg"] = {mount.level_x * kDegrees, mount.level_y * kDegrees};
-    out["principal_point_px"] = {mount.cx, mount.cy};
-    for (const geometry::LensKnot& knot : mount.lens)
-      out["lens"].push_back({{"focal_px", knot.focal_px}, {"k1", knot.k1}, {"k2", knot.k2}});
-    out["rms_px"] = result->rms_px;
-    out["stills"] = result->still_rms_px;
-    out["solved"] = result->solved;
-    std::printf("%s\n", out.dump().c_str());
-    return 0;
-  }
-  std::printf(
-      "camera     %s\nposition   %.3f %.3f %.3f m (sd %.3f %.3f %.3f)\nlevel      %.3f %.3f "
-      "deg\nprincipal  %.1f %.1f px\n",
-      config->camera.value.c_str(), mount.position_in_world.x(), mount.position_in_world.y(),
-      mount.position_in_world.z(), std::sqrt(mount.covariance(0, 0)),
-      std::sqrt(mount.covariance(1, 1)), std::sqrt(mount.covariance(2, 2)),
-      mount.level_x * kDegrees, mount.level_y * kDegrees, mount.cx, mount.cy);
-  for (const geometry::LensKnot& knot : mount.lens)
-    std::printf("lens       f %.0f px  k1 %.4f  k2 %.4f\n", knot.focal_px, knot.k1, knot.k2);
-  for (std::size_t i = 0; i < result->stills.size(); ++i) {
-    std::printf("still %02zu   %s\n", i,
-                result->stills[i].lost()
-                    ? "not solved"
-                    : fmt::format("rms {:.2f} px", result->still_rms_px[i]).c_str());
-  }
-  std::printf("solved     %d of %zu, rms %.2f px\n", result->solved, result->stills.size(),
-              result->rms_px);
+  *recording = stated(std::move(*recording), arguments.measure);
+  const auto text =
+      config.camera.value.empty()
+          ? edge::survey_site_report(
+                *recording, config.chain, arguments.json,
+                [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); })
+          : edge::survey_camera_report(*recording, config.camera, config.chain, arguments.json);
+  if (!text) return failed(text.error());
+  std::fputs(text->c_str(), stdout);
   return 0;
 }
 
@@ -337,9 +317,13 @@ int main(int argc, char** argv) {
   source_flags(check_verb);
   wire_flags(check_verb);
   check_verb->footer("example: touchline-edge check --recording match --camera m1");
-  CLI::App* survey_verb = app.add_subcommand("survey", "mount and lens from the survey stills");
+  CLI::App* survey_verb = app.add_subcommand(
+      "survey",
+      "mount and lens from survey stills: of one camera, or of all with the size of their pitch");
   source_flags(survey_verb);
-  survey_verb->footer("example: touchline-edge survey --recording match --camera m1 --json");
+  survey_verb->add_flag("--measure", arguments.measure,
+                        "find the pitch's size from the stills, whatever the recording states");
+  survey_verb->footer("example: touchline-edge survey --recording match --measure");
   CLI::App* version_verb = app.add_subcommand("version", "print the version");
 
   try {

@@ -13,34 +13,6 @@ namespace {
 
 constexpr int kSizeRuns = 5;
 
-// The survey on the pitch as given; again with what it finds of the sizes that were not stated.
-base::Result<SurveyResult> find_with_sizes(const std::vector<LineMap>& maps,
-                                           const pitch::PitchModel& pitch, Side side,
-                                           const SurveyOptions& options, bool head) {
-  pitch::PitchModel model = pitch;
-  base::Result<SurveyResult> result = run_survey(maps, model, side, options, head);
-  for (int run = 1; run < kSizeRuns && result; ++run) {
-    pitch::PitchSizes sizes{model.length_m, model.width_m, std::nullopt, model.crown_m,
-                            model.line_m};
-    if (model.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = model.in_goal_m;
-    const std::array<double*, 3> values{&*sizes.length_m, &*sizes.width_m, &*sizes.crown_m};
-    const Eigen::Array<bool, 3, 1> changes = sizes_to_find(options, *result);
-    for (int i = 0; i < 3; ++i)
-      if (changes(i)) *values[static_cast<std::size_t>(i)] += result->size_change_m(i);
-    sizes.crown_m = std::max(0.0, *sizes.crown_m);
-    if (!changes.any()) break;
-    auto next = pitch::make_pitch(model.sport, sizes);
-    if (!next) break;
-    model = std::move(*next);
-    result = run_survey(maps, model, side, options, head);
-  }
-  if (!result || !sizes_to_find(options, *result).any()) return result;
-  // Not settled: judged as the pitch that was come to.
-  SurveyOptions judged = options;
-  judged.length_stated = judged.width_stated = judged.crown_stated = true;
-  return run_survey(maps, model, side, judged, head);
-}
-
 // One pose for all frames, and its roll made levelling: on the mount the camera then has no roll.
 void hold_still(std::size_t frames, SurveyResult& result) {
   const auto solved = std::find_if(result.stills.begin(), result.stills.end(),
@@ -76,6 +48,33 @@ base::Status check_pictures(std::span<const image::Frame> pictures, std::size_t 
 
 }  // namespace
 
+base::Result<SurveyResult> survey_on_any_size(const std::vector<LineMap>& maps,
+                                              const pitch::PitchModel& pitch, Side side,
+                                              const SurveyOptions& options, bool head) {
+  pitch::PitchModel model = pitch;
+  base::Result<SurveyResult> result = run_survey(maps, model, side, options, head);
+  for (int run = 1; run < kSizeRuns && result; ++run) {
+    pitch::PitchSizes sizes{model.length_m, model.width_m, std::nullopt, model.crown_m,
+                            model.line_m};
+    if (model.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = model.in_goal_m;
+    const std::array<double*, 3> values{&*sizes.length_m, &*sizes.width_m, &*sizes.crown_m};
+    const Eigen::Array<bool, 3, 1> changes = sizes_to_find(options, *result);
+    for (int i = 0; i < 3; ++i)
+      if (changes(i)) *values[static_cast<std::size_t>(i)] += result->size_change_m(i);
+    sizes.crown_m = std::max(0.0, *sizes.crown_m);
+    if (!changes.any()) break;
+    auto next = pitch::make_pitch(model.sport, sizes);
+    if (!next) break;
+    model = std::move(*next);
+    result = run_survey(maps, model, side, options, head);
+  }
+  if (!result || !sizes_to_find(options, *result).any()) return result;
+  // Not settled: judged as the pitch that was come to.
+  SurveyOptions judged = options;
+  judged.length_stated = judged.width_stated = judged.crown_stated = true;
+  return run_survey(maps, model, side, judged, head);
+}
+
 base::Status SurveyOptions::validate() const {
   if (auto status = line_map.validate(); !status) return status;
   if (auto status = cold_start.validate(); !status) return status;
@@ -108,7 +107,7 @@ base::Result<SurveyResult> survey(std::span<const image::Frame> stills,
   if (auto status = check_pictures(stills, 2); !status) return base::fail(status.error());
   std::vector<LineMap> maps;
   for (const image::Frame& still : stills) maps.push_back(detect_lines(still, options.line_map));
-  return find_with_sizes(maps, pitch, side, options, true);
+  return survey_on_any_size(maps, pitch, side, options, true);
 }
 
 base::Result<SurveyResult> survey_fixed(std::span<const image::Frame> frames,
@@ -122,7 +121,7 @@ base::Result<SurveyResult> survey_fixed(std::span<const image::Frame> frames,
   const std::size_t stride = std::max<std::size_t>(1, frames.size() / 8);
   for (std::size_t i = 0; i < frames.size(); i += stride)
     maps.push_back(detect_lines(frames[i], options.line_map));
-  auto found = find_with_sizes(maps, pitch, side, options, false);
+  auto found = survey_on_any_size(maps, pitch, side, options, false);
   if (!found) return found;
   hold_still(frames.size(), *found);
   return found;

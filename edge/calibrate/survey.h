@@ -65,6 +65,7 @@ struct SurveyResult {
   // means that the pictures do not tell.
   Eigen::Vector3d size_change_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d size_sigma_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d size_covariance_m2 = Eigen::Matrix3d::Zero();
   std::string stopped_because;
 };
 

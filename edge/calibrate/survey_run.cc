@@ -250,6 +250,7 @@ class Survey {
     const SurveySolution solution = solve_survey(options, problem_);
     problem_ = found;
     result.size_change_m = solution.size_change;
+    result.size_covariance_m2 = solution.size_covariance;
     result.size_sigma_m = solution.size_sigma;
     if (!solution.converged) return {};
     struct Size {

@@ -1,10 +1,11 @@
+#include "edge/calibrate/survey_solve.h"
+
 #include <ceres/ceres.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "edge/calibrate/survey_solve.h"
 #include "shared/geometry/camera_model.h"
 
 namespace touchline::calibrate {
@@ -301,6 +302,7 @@ class Solver {
     if (options_.size_sigma.minCoeff() > 0) {
       Eigen::Matrix<double, kSizes, kSizes, Eigen::RowMajor> sizes;
       estimate.GetCovarianceBlock(sizes_.data(), sizes_.data(), sizes.data());
+      solution.size_covariance = sizes;
       solution.size_sigma = sizes.diagonal().cwiseMax(0).cwiseSqrt();
     }
     for (const auto& head : heads_) {

@@ -47,6 +47,7 @@ struct SurveySolution {
   std::vector<double> still_rms_px;                       // the same, one a head pose
   Eigen::Vector3d size_change = Eigen::Vector3d::Zero();  // length, width, crown; metres
   Eigen::Vector3d size_sigma = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d size_covariance = Eigen::Matrix3d::Zero();
   std::vector<Eigen::Matrix4d> head_covariance;  // pan, tilt, roll, log focal
 };
 
