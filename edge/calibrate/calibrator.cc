@@ -20,12 +20,14 @@ constexpr double kFoundFixedRollSd = 1.5;  // degrees, of a fixed camera found a
 
 constexpr std::array<int, 3> kPlaceIndex{0, 1, 3};  // pan, tilt, log f in the pose covariance
 
-Eigen::Matrix3d place_covariance(const geometry::CameraEstimate& estimate) {
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+Eigen::Matrix3d place_covariance(const Matrix9& covariance) {
   Eigen::Matrix3d out;
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
-      out(i, k) = estimate.covariance(kPlaceIndex[static_cast<std::size_t>(i)],
-                                      kPlaceIndex[static_cast<std::size_t>(k)]);
+      out(i, k) = covariance(kPlaceIndex[static_cast<std::size_t>(i)],
+                             kPlaceIndex[static_cast<std::size_t>(k)]);
   return out;
 }
 
@@ -52,11 +54,12 @@ struct Calibrator::State {
   LineTracker tracker;
   Initialiser initialiser;
   HeadMotion motion;
-  bool known = false;    // motion holds a pose worth predicting from
-  double roll = 0;       // last known, radians in the head's frame
-  double roll_sd = 0;    // radians; 0 = the fit's own prior
-  double time = 0;       // of the last frame, seconds
-  double last_seen = 0;  // when lines last confirmed the pose
+  bool known = false;                  // motion holds a pose worth predicting from
+  Matrix9 by_mount = Matrix9::Zero();  // what the mount's errors add to the covariance
+  double roll = 0;                     // last known, radians in the head's frame
+  double roll_sd = 0;                  // radians; 0 = the fit's own prior
+  double time = 0;                     // of the last frame, seconds
+  double last_seen = 0;                // when lines last confirmed the pose
   double next_search = -1e300;
   double next_check = -1e300;
   bool first = true;
@@ -65,7 +68,7 @@ struct Calibrator::State {
 
   void start(const geometry::CameraEstimate& estimate) {
     const geometry::HeadPose pose = head_pose(tracker.mount(), estimate);
-    Eigen::Matrix3d spread = place_covariance(estimate);
+    Eigen::Matrix3d spread = place_covariance(estimate.covariance);
     if (!(spread.diagonal().minCoeff() > 0))
       spread = Eigen::Vector3d(options.initial_pan_sd_deg * kRadians,
                                options.initial_tilt_sd_deg * kRadians, options.initial_log_focal_sd)
@@ -102,7 +105,10 @@ struct Calibrator::State {
   void accept(const PoseFit& fit) {
     const geometry::CameraEstimate& estimate = fit.result.estimate;
     const geometry::HeadPose pose = head_pose(tracker.mount(), estimate);
-    motion.correct({pose.pan, pose.tilt, std::log(pose.focal_px)}, place_covariance(estimate));
+    // The next frame stands on the same mount: its errors are no news between frames.
+    motion.correct({pose.pan, pose.tilt, std::log(pose.focal_px)},
+                   place_covariance(fit.frame_covariance));
+    by_mount = estimate.covariance - fit.frame_covariance;
     roll = pose.roll;
     if (options.fixed) roll_sd = kFixedRollSd * kRadians;
     last_seen = time;
@@ -126,6 +132,7 @@ struct Calibrator::State {
     if (fit.result.estimate.lost() && options.fixed && stands(fit)) {
       state::TrackResult held;
       held.estimate = prediction(1);
+      held.estimate.covariance += by_mount;
       held.report = fit.result.report;
       held.report.stopped_because = "held: " + fit.result.report.stopped_because;
       return held;

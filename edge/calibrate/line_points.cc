@@ -197,6 +197,7 @@ class WindowPlacer {
     LinePoint window;
     window.marking = marking.id;
     window.point_in_world = pitch_.on_turf(on_pitch);
+    window.share = s / marking.length();
     window.predicted = local->pixel;
     window.normal = normal;
     window.width_px = width;

@@ -37,11 +37,14 @@ struct LinePoint {
 
   pitch::MarkingId marking{};
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();  // on the marking's centre line
-  Eigen::Vector2d predicted = Eigen::Vector2d::Zero();       // its pixel for the prediction
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();          // unit, across the line, in the image
-  double width_px = 0;                                       // of the paint along the normal
-  double length_px = 0;                                      // of line that the window stands for
-  double search_px = 0;                                      // half width of the window
+  double share = 0;                                          // of its length, where the point is
+  // How the point moves with the pitch's length, width and crown (columns), metres a metre.
+  Eigen::Matrix3d by_size = Eigen::Matrix3d::Zero();
+  Eigen::Vector2d predicted = Eigen::Vector2d::Zero();  // its pixel for the prediction
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();     // unit, across the line, in the image
+  double width_px = 0;                                  // of the paint along the normal
+  double length_px = 0;                                 // of line that the window stands for
+  double search_px = 0;                                 // half width of the window
   WindowState state = WindowState::kHidden;
   int count = 0;  // of candidates, by falling contrast * match
   std::array<LineCandidate, kMostCandidates> candidates;

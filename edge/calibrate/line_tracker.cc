@@ -55,7 +55,10 @@ base::Status TrackOptions::validate() const {
 }
 
 LineTracker::LineTracker(pitch::PitchModel pitch, geometry::Mount mount, TrackOptions options)
-    : pitch_(std::move(pitch)), mount_(std::move(mount)), options_(std::move(options)) {}
+    : pitch_(std::move(pitch)),
+      variation_(pitch_),
+      mount_(std::move(mount)),
+      options_(std::move(options)) {}
 
 PoseFit LineTracker::look(const image::Frame& frame, const geometry::CameraEstimate& prior,
                           const geometry::CameraEstimate& start,
@@ -70,7 +73,12 @@ PoseFit LineTracker::look(const image::Frame& frame, const geometry::CameraEstim
   PoseFitOptions refine = options_.fit;
   refine.hypotheses = 0;
   const geometry::CameraEstimate& near = wide.result.estimate;
-  PoseFit fit = fit_pose(measure_lines(frame, pitch_, near, narrow), mount_, prior, near, refine);
+  std::vector<LinePoint> points = measure_lines(frame, pitch_, near, narrow);
+  for (LinePoint& point : points) {
+    if (point.count > 0)
+      point.by_size = variation_.by_size(point.marking, point.share, point.point_in_world);
+  }
+  PoseFit fit = fit_pose(points, mount_, prior, near, refine);
   fit.result.report.iterations += wide.result.report.iterations;
   return fit;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "edge/calibrate/line_points.h"
+#include "edge/calibrate/pitch_variation.h"
 #include "edge/calibrate/pose_fit.h"
 #include "edge/state/track_result.h"
 #include "shared/base/result.h"
@@ -51,6 +52,7 @@ class LineTracker {
                const geometry::CameraEstimate& start, const LinePointOptions& windows) const;
 
   pitch::PitchModel pitch_;
+  PitchVariation variation_;
   geometry::Mount mount_;
   TrackOptions options_;
 };

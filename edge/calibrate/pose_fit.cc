@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "edge/calibrate/pose_covariance_internal.h"
 #include "edge/calibrate/pose_model_internal.h"
 
 namespace touchline::calibrate {
@@ -109,7 +110,8 @@ PoseVector start_pose(const geometry::Mount& mount, const geometry::CameraEstima
   if (options.position_sd_m > 0) {
     const Eigen::Vector3d forward =
         predicted.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    start.tail<3>() = geometry::position_in_world(predicted) - mount.pupil_offset_m * forward -
+    start.tail<3>() = geometry::position_in_world(predicted) -
+                      geometry::pupil_offset(mount, pose.focal_px) * forward -
                       mount.position_in_world;
   }
   return start;
@@ -232,25 +234,39 @@ class Fitter {
     int used = 0;
   };
 
+  // A window's part in the fit at a pose.
+  struct Weighed {
+    double residual;
+    double sigma;
+    double weight;
+    PoseVector gradient;  // of the offset by the pose
+  };
+
+  // None where the window has nothing near enough.
+  std::optional<Weighed> weigh(const Row& row, const PoseModel& model, double outlier) const {
+    const auto image = model.project(row.window->point_in_world);
+    if (!image) return std::nullopt;
+    const double offset = row.window->normal.dot(image->pixel - row.window->predicted);
+    const LineCandidate& candidate = nearest(*row.window, offset);
+    const double r = candidate.offset_px - offset;
+    if (std::abs(r) > outlier) return std::nullopt;
+    const double ratio = r / (options_.cauchy_px * scale_);
+    const double weight = 1 / (candidate.sigma_px * candidate.sigma_px * (1 + ratio * ratio) *
+                               options_.point_correlation);
+    return Weighed{r, candidate.sigma_px, weight,
+                   (row.window->normal.transpose() * image->by_pose).transpose()};
+  }
+
   Normal normal_equations(const PoseVector& pose, double outlier) const {
     const PoseModel model(mount_, pose);
-    const double cauchy = options_.cauchy_px * scale_;
     Normal n;
     for (const Row& row : rows_) {
-      const auto image = model.project(row.window->point_in_world);
-      if (!image) continue;
-      const double offset = row.window->normal.dot(image->pixel - row.window->predicted);
-      const LineCandidate& candidate = nearest(*row.window, offset);
-      const double r = candidate.offset_px - offset;
-      if (std::abs(r) > outlier) continue;
-      const double ratio = r / cauchy;
-      const double weight = 1 / (candidate.sigma_px * candidate.sigma_px * (1 + ratio * ratio) *
-                                 options_.point_correlation);
-      const PoseVector gradient = (row.window->normal.transpose() * image->by_pose).transpose();
-      n.lines.noalias() += weight * gradient * gradient.transpose();
-      n.right += weight * r * gradient;
-      n.square_sum += r * r;
-      n.weighted_sum += r * r / (candidate.sigma_px * candidate.sigma_px);
+      const auto w = weigh(row, model, outlier);
+      if (!w) continue;
+      n.lines.noalias() += w->weight * w->gradient * w->gradient.transpose();
+      n.right += w->weight * w->residual * w->gradient;
+      n.square_sum += w->residual * w->residual;
+      n.weighted_sum += w->residual * w->residual / (w->sigma * w->sigma);
       ++n.used;
     }
     return n;
@@ -318,11 +334,36 @@ class Fitter {
     Matrix9 covariance = information.ldlt().solve(Matrix9::Identity());
     for (int i = 0; i < 9; ++i)
       if (prior_.held[static_cast<std::size_t>(i)]) covariance(i, i) = 0;
-    if (prior_.held[6])
-      covariance.bottomRightCorner<3, 3>() = mount_.covariance.topLeftCorner<3, 3>();
-    estimate.covariance = 0.5 * (covariance + covariance.transpose());
+    fit.frame_covariance = 0.5 * (covariance + covariance.transpose());
+    estimate.covariance =
+        estimate_covariance(mount_, pose, fit.frame_covariance, by_mount(pose, outlier, n.lines));
     lines_only(n, excess, fit);
     confirm(model, outlier, fit);
+  }
+
+  // The change of the fitted pose by errors of the mount. The prior of place came from frames on
+  // the same mount and errs with it: only its widest bounds what the lines leave free.
+  PoseByMount by_mount(const PoseVector& pose, double outlier, const Matrix9& lines) const {
+    if (!(mount_.covariance.diagonal().array() > 0).any()) return PoseByMount::Zero();
+    const PoseModel model(mount_, pose);
+    PoseByMount cross = PoseByMount::Zero();
+    for (const Row& row : rows_) {
+      const auto weighed = weigh(row, model, outlier);
+      if (!weighed) continue;
+      const auto image = model.by_mount(row.window->point_in_world, row.window->by_size);
+      if (!image) continue;
+      cross.noalias() +=
+          weighed->weight * weighed->gradient * (row.window->normal.transpose() * *image);
+    }
+    Matrix9 information = lines;
+    const Eigen::Vector4d widest(options_.pan_sd_deg * kRadians, options_.tilt_sd_deg * kRadians,
+                                 1 / std::sqrt(prior_.precision(2, 2)), options_.log_focal_sd);
+    information.diagonal().head<4>() += widest.cwiseAbs2().cwiseInverse();
+    information.diagonal().tail<5>() += prior_.precision.diagonal().tail<5>();
+    hold(information, nullptr);
+    for (int i = 0; i < 9; ++i)
+      if (prior_.held[static_cast<std::size_t>(i)]) cross.row(i).setZero();
+    return -information.ldlt().solve(cross);
   }
 
   void lines_only(const Normal& n, double excess, PoseFit& fit) const {

@@ -51,7 +51,10 @@ struct LineConfirmation {
 };
 
 struct PoseFit {
-  state::TrackResult result;  // evidence kLost when the fit has no answer
+  // Evidence kLost when the fit has no answer. Its covariance holds what the mount's errors do.
+  state::TrackResult result;
+  // The covariance on the mount as it is: what one frame's camera may differ by from the next.
+  Eigen::Matrix<double, 9, 9> frame_covariance = Eigen::Matrix<double, 9, 9>::Zero();
   LineConfirmation confirmation;
   // Standard deviations by the line points alone, without any prior; infinite where they leave a
   // direction free.

@@ -91,8 +91,8 @@ base::Status SurveyOptions::validate() const {
         check("level_prior_deg", level_prior_deg, 0.001, 10),
         check("roll_prior_deg", roll_prior_deg, 0.0001, 10),
         check("fixed_roll_prior_deg", fixed_roll_prior_deg, 0.001, 30),
-        check("shift_prior", shift_prior, 0.0001, 1), check("lens_knots", lens_knots, 1, 16),
-        check("point_sigma_px", point_sigma_px, 0.01, 10),
+        check("pupil_prior_m", pupil_prior_m, 0, 10), check("shift_prior", shift_prior, 0.0001, 1),
+        check("lens_knots", lens_knots, 1, 16), check("point_sigma_px", point_sigma_px, 0.01, 10),
         check("most_rms_px", most_rms_px, 0.05, 20),
         check("size_tolerance_m", size_tolerance_m, 0.005, 100),
         check("crown_sigma_m", crown_sigma_m, 0.001, 1), check("rounds", rounds, 2, 20)})

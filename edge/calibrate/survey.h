@@ -28,6 +28,7 @@ struct SurveyOptions {
   double principal_prior_px = 10;   // sigma of the principal point round the middle of the picture
   double level_prior_deg = 0.5;     // sigma of the head's levelling
   double roll_prior_deg = 0.02;     // sigma of roll beyond levelling, of a head
+  double pupil_prior_m = 0.1;       // sigma of the entrance pupil ahead of the head's axes
   double fixed_roll_prior_deg = 2;  // sigma of roll of a camera that does not move
   double shift_prior =
       0.02;            // sigma of the lens's shift at the picture corner, share of the radius

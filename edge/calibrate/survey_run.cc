@@ -7,6 +7,7 @@
 #include "edge/calibrate/pose_score_internal.h"
 #include "edge/calibrate/survey_run_internal.h"
 #include "edge/calibrate/survey_solve.h"
+#include "edge/calibrate/survey_spread_internal.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -74,7 +75,7 @@ class Survey {
     SurveySolution solution;
     for (int round = 0; settled < rounds && round < 3 * rounds; ++round) {
       const std::size_t step = std::min(static_cast<std::size_t>(settled), tolerances.size() - 1);
-      solution = solve(tolerances[step] * scale_, settled + 1 == rounds);
+      solution = solve(tolerances[step] * scale_);
       if (!solution.converged || problem_.heads.empty()) break;
       iterations_ += solution.iterations;
       bool changed = false;
@@ -85,6 +86,15 @@ class Survey {
       if (!changed) ++settled;
     }
     if (problem_.heads.empty()) return no_position();
+    if (solution.converged) {
+      SurveySolveOptions last = solve_options(
+          tolerances[std::min(static_cast<std::size_t>(rounds), tolerances.size()) - 1] * scale_,
+          true);
+      const Eigen::Array<bool, 3, 1> stated(options_.length_stated, options_.width_stated,
+                                            options_.crown_stated);
+      last.size_sigma = stated.select(0.0, Eigen::Array3d(kSizePrior, kSizePrior, kCrownPrior));
+      settle_survey(last, problem_, solution);
+    }
     if (!solution.converged) {
       return base::fail(base::ErrorKind::kNumerical, "survey", "the joint solution broke down",
                         "take stills over a wider range of pan and zoom");
@@ -222,10 +232,10 @@ class Survey {
     mount.lens = std::move(knots);
   }
 
-  SurveySolution solve(double tolerance_px, bool last) {
+  SurveySolution solve(double tolerance_px) {
     place_knots();
     match_all(tolerance_px);
-    return solve_survey(solve_options(tolerance_px, last), problem_);
+    return solve_survey(solve_options(tolerance_px, false), problem_);
   }
 
   void match_all(double tolerance_px) {
@@ -290,6 +300,7 @@ class Survey {
     options.level_sigma = options_.level_prior_deg * kDegree;
     options.roll_sigma =
         (head_ ? options_.roll_prior_deg : options_.fixed_roll_prior_deg) * kDegree;
+    options.pupil_sigma_m = head_ ? options_.pupil_prior_m : 0;
     options.shift_sigma = options_.shift_prior;
     options.shift_step = 0.5 * options_.shift_prior;
     options.point_sigma_px = options_.point_sigma_px * scale_;

@@ -11,8 +11,10 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr int kMount = 7;            // position, level x, level y, principal point
+// Position, level x, level y, principal point, pupil offset and its change with log focal length.
+constexpr int kMount = 9;
 constexpr double kHeldLevel = 1e-5;  // radians; levelling that is not looked for
+constexpr double kHeldPupil = 1e-5;  // metres; a pupil offset that is not looked for
 constexpr int kHead = 4;             // pan, tilt, roll, log focal
 // Lens terms enter as their shift at this normalised radius' corner: radius of the picture corner
 // over the focal length.
@@ -56,6 +58,7 @@ struct LineDistance {
   Eigen::Matrix3d by_size;
   Eigen::Vector2d normal;  // in the picture, of the projected marking
   double corner_px;
+  double log_width;
   double log_low, log_high;  // of the knots; equal where only one is used
   double scale;
 
@@ -66,8 +69,9 @@ struct LineDistance {
     for (int i = 0; i < 3; ++i)
       world(i) = point(i) + by_size(i, 0) * sizes[0] + by_size(i, 1) * sizes[1] +
                  by_size(i, 2) * sizes[2] - mount[i];
-    const Vector3<T> p =
+    Vector3<T> p =
         cam_from_head(head[0], head[1], head[2]) * (head_from_world(mount[3], mount[4]) * world);
+    p.z() -= mount[7] + mount[8] * (head[3] - log_width);
     if (p.z() < T(0.1)) return false;
     const T focal = exp(head[3]);
     T share(0);
@@ -118,7 +122,9 @@ class Solver {
               mount.level_x,
               mount.level_y,
               mount.cx,
-              mount.cy};
+              mount.cy,
+              mount.pupil_offset_m,
+              mount.pupil_by_log_focal_m};
     corner_px_ = std::hypot(0.5 * mount.width, 0.5 * mount.height);
     if (mount.lens.empty()) mount.lens.push_back({1.5 * mount.width, 0, 0});
     for (const geometry::LensKnot& knot : mount.lens) {
@@ -181,6 +187,7 @@ class Solver {
                                     point.by_size,
                                     {-along.y(), along.x()},
                                     corner_px_,
+                                    std::log(problem_.mount.width),
                                     std::log(problem_.mount.lens[low].focal_px),
                                     std::log(problem_.mount.lens[high].focal_px),
                                     scale};
@@ -234,6 +241,9 @@ class Solver {
     const double level = options_.head ? options_.level_sigma : kHeldLevel;
     prior<kMount>(mount_.data(), 3, 0, level);
     prior<kMount>(mount_.data(), 4, 0, level);
+    const double pupil = options_.pupil_sigma_m > 0 ? options_.pupil_sigma_m : kHeldPupil;
+    prior<kMount>(mount_.data(), 7, 0, pupil);
+    prior<kMount>(mount_.data(), 8, 0, 0.5 * pupil);
     for (auto& head : heads_) {
       ceres_.AddParameterBlock(head.data(), kHead);
       prior<kHead>(head.data(), 2, 0, options_.roll_sigma);
@@ -255,6 +265,8 @@ class Solver {
     mount.level_y = mount_[4];
     mount.cx = mount_[5];
     mount.cy = mount_[6];
+    mount.pupil_offset_m = mount_[7];
+    mount.pupil_by_log_focal_m = mount_[8];
     for (std::size_t i = 0; i < shifts_.size(); ++i) {
       geometry::LensKnot& knot = mount.lens[i];
       const double s = corner_px_ * corner_px_ / (knot.focal_px * knot.focal_px);
@@ -292,18 +304,35 @@ class Solver {
     settings.null_space_rank = -1;
     settings.num_threads = 1;
     ceres::Covariance estimate(settings);
-    std::vector<std::pair<const double*, const double*>> blocks{{mount_.data(), mount_.data()}};
+    // Mount, sizes and lens, in the order of geometry::Mount::covariance.
+    std::vector<const double*> shared{mount_.data(), sizes_.data()};
+    std::vector<int> widths{kMount, kSizes};
+    for (const auto& shift : shifts_) {
+      shared.push_back(shift.data());
+      widths.push_back(kShifts);
+    }
+    std::vector<std::pair<const double*, const double*>> blocks;
+    for (std::size_t i = 0; i < shared.size(); ++i)
+      for (std::size_t k = i; k < shared.size(); ++k) blocks.emplace_back(shared[i], shared[k]);
     for (const auto& head : heads_) blocks.emplace_back(head.data(), head.data());
-    if (options_.size_sigma.minCoeff() > 0) blocks.emplace_back(sizes_.data(), sizes_.data());
     if (!estimate.Compute(blocks, &ceres_)) return;
-    Eigen::Matrix<double, kMount, kMount, Eigen::RowMajor> mount;
-    estimate.GetCovarianceBlock(mount_.data(), mount_.data(), mount.data());
-    problem_.mount.covariance = mount;
+    const int rows = kMount + kSizes + kShifts * static_cast<int>(shifts_.size());
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rows, rows);
+    int row = 0;
+    for (std::size_t i = 0; i < shared.size(); row += widths[i], ++i) {
+      int column = row;
+      for (std::size_t k = i; k < shared.size(); column += widths[k], ++k) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> block(widths[i],
+                                                                                     widths[k]);
+        if (!estimate.GetCovarianceBlock(shared[i], shared[k], block.data())) return;
+        all.block(row, column, widths[i], widths[k]) = block;
+        all.block(column, row, widths[k], widths[i]) = block.transpose();
+      }
+    }
+    problem_.mount.covariance = all;
     if (options_.size_sigma.minCoeff() > 0) {
-      Eigen::Matrix<double, kSizes, kSizes, Eigen::RowMajor> sizes;
-      estimate.GetCovarianceBlock(sizes_.data(), sizes_.data(), sizes.data());
-      solution.size_covariance = sizes;
-      solution.size_sigma = sizes.diagonal().cwiseMax(0).cwiseSqrt();
+      solution.size_covariance = all.block<kSizes, kSizes>(kMount, kMount);
+      solution.size_sigma = solution.size_covariance.diagonal().cwiseMax(0).cwiseSqrt();
     }
     for (const auto& head : heads_) {
       Eigen::Matrix<double, kHead, kHead, Eigen::RowMajor> block;

@@ -30,6 +30,7 @@ struct SurveySolveOptions {
   double principal_prior_px = 10;
   double level_sigma = 0.01;   // radians
   double roll_sigma = 0.0005;  // radians
+  double pupil_sigma_m = 0;    // of the entrance pupil ahead of the head's axes; 0 = held
   double shift_sigma = 0.02;   // of each lens term at the picture corner, share of the radius
   double shift_step = 0.01;    // between neighbouring knots
   double point_sigma_px = 0.25;

@@ -60,6 +60,11 @@ LensKnot lens_at(const Mount& mount, double focal_px) {
   return {focal_px, shift.x() / s, shift.y() / (s * s)};
 }
 
+double pupil_offset(const Mount& mount, double focal_px) {
+  if (mount.pupil_by_log_focal_m == 0) return mount.pupil_offset_m;
+  return mount.pupil_offset_m + mount.pupil_by_log_focal_m * std::log(focal_px / mount.width);
+}
+
 CameraModel camera_model(const Mount& mount, double focal_px) {
   const LensKnot lens = lens_at(mount, focal_px);
   return {mount.width, mount.height, focal_px, focal_px, mount.cx, mount.cy, lens.k1, lens.k2};
@@ -71,7 +76,7 @@ Rigid3 cam_from_world(const Mount& mount, const HeadPose& pose) {
       (cam_from_head * world_from_head(mount).conjugate()).normalized();
   const Eigen::Vector3d forward_in_world = rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d pupil_in_world =
-      mount.position_in_world + mount.pupil_offset_m * forward_in_world;
+      mount.position_in_world + pupil_offset(mount, pose.focal_px) * forward_in_world;
   return {rotation, -(rotation * pupil_in_world)};
 }
 

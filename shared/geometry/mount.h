@@ -25,14 +25,22 @@ struct Mount {
   // is about the head's own vertical.
   double level_x = 0;  // radians
   double level_y = 0;
-  double pupil_offset_m = 0;  // entrance pupil ahead of the axes along the optical axis
-  int width = 0;              // picture, pixels
+  // Entrance pupil ahead of the axes along the optical axis where the focal length is the picture's
+  // width in pixels, and what is added to it as log focal length rises by 1.
+  double pupil_offset_m = 0;
+  double pupil_by_log_focal_m = 0;
+  int width = 0;  // picture, pixels
   int height = 0;
   double cx = 0;  // principal point, pixels; constant over zoom
   double cy = 0;
   std::vector<LensKnot> lens;  // by rising focal length; empty = no distortion
-  // Of (position x, y, z, level_x, level_y, cx, cy); metres, radians, pixels squared.
-  Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
+  // Of what all frames share and a survey found jointly: (position x, y, z, level_x, level_y, cx,
+  // cy, pupil offset and its change, the pitch's length, width and crown on which it stands), then,
+  // where the lens was found too, k1 r^2 and k2 r^4 at the picture's corner, r = half its diagonal
+  // over the focal length, of each knot. Metres, radians, pixels, shares of the radius. 12 or
+  // 12 + 2 * lens.size() rows.
+  static constexpr int kShared = 12;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kShared, kShared);
 };
 
 // Where a head points. Roll about the optical axis is 0 on a good head and small otherwise.
@@ -51,6 +59,7 @@ Eigen::Vector3d pan_tilt_roll(const Eigen::Quaterniond& cam_from_reference);
 
 Eigen::Quaterniond world_from_head(const Mount& mount);
 LensKnot lens_at(const Mount& mount, double focal_px);
+double pupil_offset(const Mount& mount, double focal_px);  // metres
 CameraModel camera_model(const Mount& mount, double focal_px);
 Rigid3 cam_from_world(const Mount& mount, const HeadPose& pose);
 
