@@ -122,7 +122,9 @@ image::Image<std::uint8_t> paint_occluders(const geometry::CameraEstimate& camer
     return p && std::abs(p->x()) < far && std::abs(p->y()) < far;
   };
 
-  for (const auto& bar : pitch.bars) {
+  std::vector<pitch::Bar> bars = pitch::post_pads(pitch);
+  bars.insert(bars.end(), pitch.bars.begin(), pitch.bars.end());
+  for (const auto& bar : bars) {
     constexpr int kParts = 16;
     for (int k = 0; k < kParts; ++k) {
       const Eigen::Vector3d a =

@@ -38,7 +38,8 @@ void widen(const std::vector<std::uint8_t>& in, int reach, std::vector<std::uint
 
 // A row: 1 where learning is allowed, 2 where it is doubtful, and what is none of turf's.
 void judge(const std::uint8_t* zones, const std::uint8_t* inside, const std::uint8_t* colours,
-           std::uint8_t* accepted, std::uint8_t* foreign) {
+           const std::uint16_t* luma, const LocalTurf::Row& local, std::uint8_t* accepted,
+           std::uint8_t* foreign) {
   std::array<std::uint8_t, kRow> good;
   std::array<std::uint8_t, kRow> doubtful;
   // Every load is made whatever comes of it, so that the loops vectorise.
@@ -48,11 +49,16 @@ void judge(const std::uint8_t* zones, const std::uint8_t* inside, const std::uin
     const std::uint8_t in = inside[x];
     const bool may_be_paint = (zone & (kPaintBand | kPerhapsTurf)) != 0;
     const std::uint8_t wanted = may_be_paint ? TurfColour::kIsPainted : TurfColour::kIsTurf;
-    const auto fits = static_cast<std::uint8_t>(colour & wanted);
-    const std::uint8_t shown = fits != 0 ? in : std::uint8_t{0};
-    good[x] = zone == 0 ? in : shown;
-    const auto doubt = static_cast<std::uint8_t>(colour & TurfColour::kIsDoubtful);
-    doubtful[x] = doubt != 0 ? in : std::uint8_t{0};
+    const bool pale = may_be_paint & ((colour & TurfColour::kHasPaintHue) != 0) &
+                      (luma[x] >= local.darkest_paint[x]);
+    const auto fits = static_cast<std::uint8_t>((colour & wanted) | (pale ? 1 : 0));
+    const std::uint8_t lit = luma[x] >= local.darkest_turf[x] ? in : std::uint8_t{0};
+    const std::uint8_t shown = fits != 0 ? lit : std::uint8_t{0};
+    const auto usual = static_cast<std::uint8_t>(may_be_paint ? 1 : local.usual[x]);
+    good[x] = zone == 0 ? in : static_cast<std::uint8_t>(shown & usual);
+    const auto doubt =
+        static_cast<std::uint8_t>((colour & TurfColour::kIsDoubtful) | (shown & ~usual));
+    doubtful[x] = doubt != 0 ? lit : std::uint8_t{0};
   }
   for (std::size_t x = 0; x < kRow; ++x)
     accepted[x] = static_cast<std::uint8_t>(good[x] | ((doubtful[x] & ~good[x]) << 1));
@@ -88,16 +94,24 @@ const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uin
   const std::size_t area = zones.size();
   accepted_.resize(area);
   foreign_.resize(area);
-  std::array<std::uint8_t, kRow> colours{};
-  std::uint8_t anything = 0;
+  colours_.assign(area, 0);
+  doubted_.assign(area, 0);
   for (std::size_t start = 0; start < area; start += kRow) {
     const std::uint8_t* zone = &zones[start];
     std::uint8_t zoned = 0;
     for (std::size_t x = 0; x < kRow; ++x) zoned |= zone[x];
     if (zoned && turf.ready())
       turf.classify(&samples.y[start], &samples.cb[start], &samples.cr[start], kRow,
-                    colours.data());
-    judge(zone, &samples.inside[start], colours.data(), &accepted_[start], &foreign_[start]);
+                    &colours_[start]);
+  }
+  local_.measure(zones, samples, colours_);
+  std::uint8_t anything = 0;
+  LocalTurf::Row local;
+  for (std::size_t y = 0; y < kRow; ++y) {
+    const std::size_t start = y * kRow;
+    local_.row(static_cast<int>(y), samples, local);
+    judge(&zones[start], &samples.inside[start], &colours_[start], &samples.y[start], local,
+          &accepted_[start], &foreign_[start]);
     for (std::size_t x = 0; x < kRow; ++x) anything |= foreign_[start + x];
   }
   if (anything && find_bodies()) {
@@ -108,7 +122,9 @@ const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uin
       const int sure = accepted_[i] & 1;
       const int fair = (accepted_[i] >> 1) & ~around_body_[i];
       const int anywhere = zones[i] == 0 ? 1 : 0;
-      accepted_[i] = static_cast<std::uint8_t>((sure | fair) & (anywhere | ~near_body_[i]) & 1);
+      const int taken = (sure | fair) & (anywhere | ~near_body_[i]) & 1;
+      doubted_[i] = static_cast<std::uint8_t>((accepted_[i] >> 1) & ~taken);
+      accepted_[i] = static_cast<std::uint8_t>(taken);
     }
   } else {
     for (std::size_t i = 0; i < area; ++i)

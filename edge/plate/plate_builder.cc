@@ -1,7 +1,5 @@
 #include "edge/plate/plate_builder.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
@@ -24,9 +22,10 @@ namespace {
 
 constexpr int kSize = image::kPlateTileSize;
 constexpr int kWide = kSize + 2 * kApron;
-constexpr int kFrameBorder = 0;     // pixels at the frame's edge that are not learnt
-constexpr int kFillReach = 64;      // pixels round a hole that turf is interpolated from
-constexpr int kRefitVersions = 20;  // versions after which stills are fitted to the video anew
+constexpr int kFrameBorder = 0;       // pixels at the frame's edge that are not learnt
+constexpr int kFillReach = 64;        // pixels round a hole that turf is interpolated from
+constexpr double kChromaDoubt = 1.5;  // of the deviation of chroma round a hole, in the hole
+constexpr int kRefitVersions = 20;    // versions after which stills are fitted to the video anew
 
 std::size_t wide_index(int x, int y) {
   return static_cast<std::size_t>(y + kApron) * kWide + static_cast<std::size_t>(x + kApron);
@@ -35,32 +34,11 @@ std::size_t tile_index(int x, int y) {
   return static_cast<std::size_t>(y) * kSize + static_cast<std::size_t>(x);
 }
 
-PlateOptions bounded(PlateOptions o) {
-  o.learn_frames = std::clamp(o.learn_frames, 4, 500);
-  o.samples = std::clamp(o.samples, 3, 32);
-  o.publish_frames = std::clamp(o.publish_frames, 1, 10000);
-  o.update_every = std::clamp(o.update_every, 1, 1000);
-  o.update_rate = std::clamp(o.update_rate, 0.001, 0.5);
-  o.noise_codes = std::clamp(o.noise_codes, 0.25, 50.0);
-  o.filled_codes = std::clamp(o.filled_codes, 1.0, 200.0);
-  o.turf_margin_m = std::clamp(o.turf_margin_m, 0.0, 20.0);
-  o.line_tolerance_m = std::clamp(o.line_tolerance_m, 0.0, 0.5);
-  o.line_tolerance_px = std::clamp(o.line_tolerance_px, 0.0, 10.0);
-  o.occluder_margin_px = std::clamp(o.occluder_margin_px, 0.0, 20.0);
-  o.max_tiles = std::clamp(o.max_tiles, 8, 4096);
-  return o;
-}
-
-template <typename T>
-base::Status in_bounds(const char* field, T value, T low, T high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is outside {}..{}", value, low, high), "correct the value");
-}
-
 struct TileState {
   std::vector<std::uint8_t> zones;  // with apron
+  // Samples of each pixel, saturating, and those of them that may be bare ground close to somebody.
   std::vector<std::uint8_t> seen = std::vector<std::uint8_t>(kSize * kSize, 0);
+  std::vector<std::uint8_t> doubted = seen;
   std::vector<std::uint32_t> seed;  // packed samples of the stills; empty = not looked up
   std::optional<SampleStack> learning;
   image::PlateTile tile;
@@ -73,23 +51,6 @@ struct TileState {
 };
 
 }  // namespace
-
-base::Status PlateOptions::validate() const {
-  for (const auto& s :
-       {in_bounds("learn_frames", learn_frames, 4, 500), in_bounds("samples", samples, 3, 32),
-        in_bounds("publish_frames", publish_frames, 1, 10000),
-        in_bounds("update_every", update_every, 1, 1000),
-        in_bounds("update_rate", update_rate, 0.001, 0.5),
-        in_bounds("noise_codes", noise_codes, 0.25, 50.0),
-        in_bounds("filled_codes", filled_codes, 1.0, 200.0),
-        in_bounds("turf_margin_m", turf_margin_m, 0.0, 20.0),
-        in_bounds("line_tolerance_m", line_tolerance_m, 0.0, 0.5),
-        in_bounds("line_tolerance_px", line_tolerance_px, 0.0, 10.0),
-        in_bounds("occluder_margin_px", occluder_margin_px, 0.0, 20.0),
-        in_bounds("max_tiles", max_tiles, 8, 4096)})
-    if (!s) return s;
-  return {};
-}
 
 struct PlateBuilder::State {
   pitch::PitchModel pitch;
@@ -185,8 +146,14 @@ bool PlateBuilder::State::due(const image::PlateTileKey& key, const TileState& t
 void PlateBuilder::State::note_seen(TileState& t) const {
   for (int y = 0; y < kSize; ++y) {
     const std::uint8_t* inside = &samples.inside[wide_index(0, y)];
+    const std::uint8_t* doubt = &acceptance.doubted()[wide_index(0, y)];
     std::uint8_t* seen = &t.seen[tile_index(0, y)];
-    for (int x = 0; x < kSize; ++x) seen[x] |= inside[x];
+    std::uint8_t* doubted = &t.doubted[tile_index(0, y)];
+    for (int x = 0; x < kSize; ++x) {
+      const bool full = seen[x] == 255;
+      seen[x] = static_cast<std::uint8_t>(seen[x] + (full ? 0 : inside[x]));
+      doubted[x] = static_cast<std::uint8_t>(doubted[x] + (full ? 0 : doubt[x]));
+    }
   }
 }
 
@@ -283,8 +250,10 @@ void PlateBuilder::State::fit_seeds(bool learnt) {
 
 void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile) const {
   if (!fitted || t.seed.empty()) return;
-  const auto deviation =
-      static_cast<std::uint16_t>(16 * std::max(2.0 * fit.rms(), 2 * options.noise_codes));
+  std::array<std::uint16_t, 3> deviation{};
+  for (std::size_t c = 0; c < 3; ++c)
+    deviation[c] = static_cast<std::uint16_t>(
+        16 * std::max(2.0 * fit.rms()[c], (c == 0 ? 2 : 1) * options.noise_codes));
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const std::uint32_t seed = t.seed[tile_index(x, y)];
@@ -300,7 +269,7 @@ void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile
         continue;
       for (std::size_t c = 0; c < 3; ++c) {
         tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);
-        tile.deviation[c](x, y) = deviation;
+        tile.deviation[c](x, y) = deviation[c];
       }
       tile.count(x, y) = 1;
     }
@@ -329,6 +298,7 @@ void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& 
                   std::max(right - left, bottom - top) + 1 + 2 * kFillReach};
   HoleColours grass(area);
   HoleColours paint(on_paint ? area : Area{});
+  ChromaSpread spread;
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column) {
       const auto found = tiles.find({key.column + column, key.row + row});
@@ -345,22 +315,34 @@ void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& 
           HoleColours* into = zone == kTurf                     ? &grass
                               : on_paint && (zone & kPaintCore) ? &paint
                                                                 : nullptr;
-          if (into)
-            into->add(x + column * kSize, y + row * kSize, from.tile.mean[0](x, y),
-                      from.tile.mean[1](x, y), from.tile.mean[2](x, y));
+          if (!into) continue;
+          const float luma = from.tile.mean[0](x, y);
+          const float cb = from.tile.mean[1](x, y);
+          const float cr = from.tile.mean[2](x, y);
+          into->add(x + column * kSize, y + row * kSize, luma, cb, cr);
+          if (into == &grass && (x & y & 1)) spread.add(luma, cb, cr);
         }
     }
   if (!grass.spread()) return;
   const bool painted = on_paint && paint.spread();
-  const auto deviation = static_cast<std::uint16_t>(16 * options.filled_codes);
+  // Turf's chroma is known far better than its luma.
+  const auto chroma = spread.deviations();
+  const double most = 16 * options.filled_codes;
+  const auto of_chroma = [&](double deviation) {
+    return std::clamp(kChromaDoubt * deviation, std::min(16 * options.noise_codes, most), most);
+  };
+  const std::array<double, 3> deviation{most, of_chroma(chroma[0]), of_chroma(chroma[1])};
+  const auto bare_ground = bare_regions(t.doubted, t.seen);
+  const double bare = 16 * std::max(options.filled_codes, options.bare_codes);
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
       if (!hole(x, y)) continue;
       const bool core = t.zones[wide_index(x, y)] & kPaintCore;
+      const bool maybe_bare = bare_ground[tile_index(x, y)] != 0;
       const auto colour = (painted && core ? paint : grass).at(x, y);
       for (std::size_t c = 0; c < 3; ++c) {
         out.mean[c](x, y) = static_cast<std::uint16_t>(colour[c]);
-        out.deviation[c](x, y) = deviation;
+        out.deviation[c](x, y) = static_cast<std::uint16_t>(maybe_bare ? bare : deviation[c]);
       }
       out.count(x, y) = 1;
     }
@@ -391,7 +373,7 @@ PlateBuilder::PlateBuilder(const pitch::PitchModel& pitch, const Eigen::Vector3d
                            double radians_per_px, const PlateOptions& options)
     : state_(std::make_unique<State>()) {
   state_->pitch = pitch;
-  state_->options = bounded(options);
+  state_->options = options.bounded();
   state_->sphere.centre_in_world = centre_in_world;
   state_->sphere.radians_per_px = radians_per_px;
 }

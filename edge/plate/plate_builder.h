@@ -22,7 +22,8 @@ struct PlateOptions {
   int update_every = 5;             // after learning, a tile takes in every n-th frame; 1..1000
   double update_rate = 0.03;        // weight of a new sample in the running mean; 0.001..0.5
   double noise_codes = 3;           // least standard deviation, 10-bit code values; 0.25..50
-  double filled_codes = 12;         // standard deviation where turf was interpolated; 1..200
+  double filled_codes = 7;          // of luma where turf was interpolated, chroma's most; 1..200
+  double bare_codes = 14;           // of all three where that may be bare ground; 1..200
   double turf_margin_m = 1.0;       // turf rules hold this far beyond the outer lines; 0..20
   double line_tolerance_m = 0.08;   // a painted line may lie this far beside the model; 0..0.5
   double line_tolerance_px = 2.0;   // and this far in plate pixels; 0..10
@@ -31,6 +32,7 @@ struct PlateOptions {
   int max_tiles = 300;  // the oldest are dropped beyond; a tile takes 2 to 5 MB; 8..4096
 
   base::Status validate() const;
+  PlateOptions bounded() const;  // with what is out of its bounds replaced by the nearest bound
 };
 
 // Turf is learnt only from samples that look like turf, or like paint beside a marking of the pitch

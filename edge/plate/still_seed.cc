@@ -57,14 +57,18 @@ bool StillFit::solve() {
   for (int pass = 0; pass < 2; ++pass) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
-    const auto error = [&](const std::array<float, 6>& p) {
-      double sum = 0;
+    const auto squares = [&](const std::array<float, 6>& p) {
+      std::array<double, 3> out{};
       for (std::size_t c = 0; c < 3; ++c) {
         const double d =
             map_[c][0] * p[0] + map_[c][1] * p[1] + map_[c][2] * p[2] + map_[c][3] - p[3 + c];
-        sum += d * d;
+        out[c] = d * d;
       }
-      return sum / 3;
+      return out;
+    };
+    const auto error = [&](const std::array<float, 6>& p) {
+      const auto s = squares(p);
+      return (s[0] + s[1] + s[2]) / 3;
     };
     for (const auto& p : pairs_) {
       if (pass > 0 && error(p) > limit) continue;
@@ -92,9 +96,15 @@ bool StillFit::solve() {
     for (const auto& p : pairs_) errors.push_back(error(p));
     std::sort(errors.begin(), errors.end());
     limit = errors[errors.size() * 9 / 10];
-    double sum = 0;
-    for (std::size_t i = 0; i < errors.size() * 9 / 10; ++i) sum += errors[i];
-    rms_ = std::sqrt(sum / static_cast<double>(errors.size() * 9 / 10));
+    std::array<double, 3> sums{};
+    double counted = 0;
+    for (const auto& p : pairs_) {
+      if (error(p) > limit) continue;
+      const auto s = squares(p);
+      for (std::size_t c = 0; c < 3; ++c) sums[c] += s[c];
+      counted += 1;
+    }
+    for (std::size_t c = 0; c < 3; ++c) rms_[c] = std::sqrt(sums[c] / counted);
   }
   return true;
 }

@@ -34,12 +34,12 @@ class StillFit {
   void add(std::uint32_t still_sample, const std::array<float, 3>& video);
   bool solve();  // false with fewer than 100 pairs or no spread
   std::array<float, 3> apply(std::uint32_t still_sample) const;
-  double rms() const { return rms_; }  // code values, all three channels
+  const std::array<double, 3>& rms() const { return rms_; }  // code values, Y' Cb Cr
 
  private:
   std::vector<std::array<float, 6>> pairs_;
   std::array<std::array<float, 4>, 3> map_{};
-  double rms_ = 0;
+  std::array<double, 3> rms_{};
 };
 
 }  // namespace touchline::plate

@@ -84,6 +84,8 @@ bool TurfColour::update() {
       const float across = (u * peak_v - v * peak_u) / std::max(saturation, 1e-3f);
       if (along > -0.06f && along < saturation && std::abs(across) < 0.08f)
         table_[static_cast<std::size_t>(y * kBins + x)] |= 2;
+      if (along > -0.06f && along < saturation && std::abs(across) < 0.14f)
+        table_[static_cast<std::size_t>(y * kBins + x)] |= 8;
       // The hue of most turf, paler or deeper: the dark rim of a line, deep shadow.
       if (along > 0.6f * saturation && along < 1.8f * saturation &&
           std::abs(across) < 0.15f * along + 0.02f)
@@ -106,9 +108,9 @@ bool TurfColour::update() {
   paint_luma_ = 0.8f * quantile(0.5);
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const int bits = table_[i];
-    allowed_[i] =
-        static_cast<std::uint8_t>(((bits & 1) ? kIsTurf | kIsPainted : 0) |
-                                  ((bits & 2) ? kBrightPaint : 0) | ((bits & 4) ? kIsDoubtful : 0));
+    allowed_[i] = static_cast<std::uint8_t>(
+        ((bits & 1) ? kIsTurf | kIsPainted : 0) | ((bits & 8) ? kHasPaintHue : 0) |
+        ((bits & 2) ? kBrightPaint : 0) | ((bits & 4) ? kIsDoubtful : 0));
   }
   ready_ = true;
   return true;
@@ -155,14 +157,15 @@ void TurfColour::classify8(const std::uint16_t* y2, const std::uint16_t* cb,
   const __m256i fair =
       where(_mm256_cmp_ps(luma, all(most_luma_), _CMP_LE_OQ), kIsTurf | kIsDoubtful);
   const __m256i bright = where(_mm256_cmp_ps(luma, all(paint_luma_), _CMP_GT_OQ), kBrightPaint);
-  __m256i bits = _mm256_or_si256(_mm256_set1_epi32(kIsPainted), _mm256_or_si256(fair, bright));
+  __m256i bits = _mm256_or_si256(_mm256_set1_epi32(kIsPainted | kHasPaintHue | kBrightPaint), fair);
   bits = _mm256_and_si256(bits,
                           _mm256_castps_si256(_mm256_cmp_ps(luma, all(least_luma_), _CMP_GE_OQ)));
   bits = _mm256_and_si256(bits, colours);
-  static_assert(kBrightPaint >> 2 == kIsPainted);
-  const __m256i paint = _mm256_and_si256(_mm256_srli_epi32(bits, 2), _mm256_set1_epi32(kIsPainted));
+  static_assert(kBrightPaint >> 3 == kIsPainted);
+  const __m256i paint = _mm256_and_si256(_mm256_srli_epi32(_mm256_and_si256(bits, bright), 3),
+                                         _mm256_set1_epi32(kIsPainted));
   bits = _mm256_and_si256(_mm256_or_si256(bits, paint),
-                          _mm256_set1_epi32(kIsTurf | kIsPainted | kIsDoubtful));
+                          _mm256_set1_epi32(kIsTurf | kIsPainted | kIsDoubtful | kHasPaintHue));
   const __m128i words =
       _mm_packus_epi32(_mm256_castsi256_si128(bits), _mm256_extracti128_si256(bits, 1));
   _mm_storel_epi64(reinterpret_cast<__m128i*>(out), _mm_packus_epi16(words, words));

@@ -34,11 +34,13 @@ class TurfColour {
     return table_[static_cast<std::size_t>(j * kBins + i)] & (luma > paint_luma_ ? 3 : 1);
   }
 
-  // The same for many pixels at once, and kDoubtful: not turf, yet close enough in hue to be worn
-  // or bare ground. Luma is given times 2; one of the sets of bits below for each.
+  // The same for many pixels at once; kIsDoubtful: not turf, yet close enough in hue to be worn or
+  // bare ground; kHasPaintHue: painted, if it is brighter than the turf round it. Luma is given
+  // times 2; one of the sets of bits below for each.
   static constexpr std::uint8_t kIsTurf = 1;
   static constexpr std::uint8_t kIsPainted = 2;
   static constexpr std::uint8_t kIsDoubtful = 4;
+  static constexpr std::uint8_t kHasPaintHue = 8;
   void classify(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
                 std::size_t count, std::uint8_t* out) const;
 
@@ -46,7 +48,7 @@ class TurfColour {
   static constexpr float kReach = 0.8f;  // of chroma over luma
 
  private:
-  static constexpr std::uint8_t kBrightPaint = 8;  // painted if bright enough
+  static constexpr std::uint8_t kBrightPaint = 16;  // painted if bright enough
 
   void classify8(const std::uint16_t* y2, const std::uint16_t* cb, const std::uint16_t* cr,
                  std::uint8_t* out) const;

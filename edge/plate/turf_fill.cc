@@ -1,6 +1,9 @@
 #include "edge/plate/turf_fill.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "shared/image/plate_snapshot.h"
 
 namespace touchline::plate {
 
@@ -69,6 +72,60 @@ bool fill_unknown(SparseColours& colours) {
       colours.weight[i] = 1.f;
     }
   return true;
+}
+
+void ChromaSpread::add(float luma, float cb, float cr) {
+  const double y = luma;
+  count_ += 1;
+  luma_ += y;
+  luma_squared_ += y * y;
+  const std::array<double, 2> both{cb, cr};
+  for (std::size_t c = 0; c < 2; ++c) {
+    chroma_[c].value += both[c];
+    chroma_[c].squared += both[c] * both[c];
+    chroma_[c].with_luma += both[c] * y;
+  }
+}
+
+std::array<double, 2> ChromaSpread::deviations() const {
+  std::array<double, 2> out{};
+  if (count_ <= 0) return out;
+  const double spread = luma_squared_ - luma_ * luma_ / count_;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Sums& s = chroma_[c];
+    const double all = s.squared - s.value * s.value / count_;
+    const double common = s.with_luma - s.value * luma_ / count_;
+    const double rest = all - (spread > count_ ? common * common / spread : 0.0);
+    out[c] = std::sqrt(std::max(0.0, rest / count_));
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> bare_regions(const std::vector<std::uint8_t>& doubted,
+                                       const std::vector<std::uint8_t>& seen) {
+  constexpr int kSize = image::kPlateTileSize;
+  constexpr int kReach = 12;  // pixels
+  constexpr int kWidth = kSize + 1;
+  const auto at = [](int x, int y) { return static_cast<std::size_t>(y * kWidth + x); };
+  const auto pixel = [](int x, int y) { return static_cast<std::size_t>(y * kSize + x); };
+  std::vector<int> sums(static_cast<std::size_t>(kWidth) * kWidth, 0);
+  for (int y = 0; y < kSize; ++y) {
+    int row = 0;
+    for (int x = 0; x < kSize; ++x) {
+      row += 2 * doubted[pixel(x, y)] > seen[pixel(x, y)] ? 1 : 0;
+      sums[at(x + 1, y + 1)] = sums[at(x + 1, y)] + row;
+    }
+  }
+  std::vector<std::uint8_t> out(seen.size(), 0);
+  if (sums.back() == 0) return out;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const int x0 = std::max(0, x - kReach), x1 = std::min(kSize, x + kReach + 1);
+      const int y0 = std::max(0, y - kReach), y1 = std::min(kSize, y + kReach + 1);
+      const int sum = sums[at(x1, y1)] - sums[at(x0, y1)] - sums[at(x1, y0)] + sums[at(x0, y0)];
+      out[pixel(x, y)] = 3 * sum > 2 * (x1 - x0) * (y1 - y0) ? 1 : 0;
+    }
+  return out;
 }
 
 HoleColours::HoleColours(const Area& area) : x_(area.x), y_(area.y), coarse_((area.side + 1) / 2) {}

@@ -27,6 +27,28 @@ struct SparseColours {
 // means with weight 1 where anything is known at all; false when nothing is.
 bool fill_unknown(SparseColours& colours);
 
+// How far chroma lies from what goes with its luma, over the turf round a hole: a straight line for
+// each of both, since turf in shadow has less of all three.
+class ChromaSpread {
+ public:
+  void add(float luma, float cb, float cr);
+  // Standard deviations of Cb and Cr round their lines; 0 where nothing was added.
+  std::array<double, 2> deviations() const;
+
+ private:
+  double count_ = 0, luma_ = 0, luma_squared_ = 0;
+  struct Sums {
+    double value = 0, squared = 0, with_luma = 0;
+  };
+  std::array<Sums, 2> chroma_;
+};
+
+// Of a tile: 1 where most of the samples round a pixel may be bare ground. An arm is of that hue as
+// well, but narrow. `doubted` and `seen`: how many samples of each pixel may be, and how many
+// there are.
+std::vector<std::uint8_t> bare_regions(const std::vector<std::uint8_t>& doubted,
+                                       const std::vector<std::uint8_t>& seen);
+
 // Colours of the holes of an area by those of its known pixels.
 class HoleColours {
  public:

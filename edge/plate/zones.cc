@@ -195,6 +195,7 @@ std::vector<std::uint8_t> tile_zones(const image::PlateSnapshot& sphere,
 
   OccluderPainter painter(sphere, key, apron, options.occluder_margin_px);
   for (const auto& b : pitch.bars) painter.bar(b);
+  for (const auto& b : pitch::post_pads(pitch)) painter.bar(b);
   for (const auto& n : pitch.nets) painter.net(n);
   for (int y = 0; y < size; ++y) {
     const auto* covered = painter.mask().ptr<std::uint8_t>(y);

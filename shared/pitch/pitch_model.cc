@@ -25,6 +25,8 @@ constexpr double kFlagHeight = 1.5;
 constexpr double kFlagDiameter = 0.04;
 constexpr double kRugbyPostGap = 5.6;
 constexpr double kRugbyBarHeight = 3.0;
+constexpr double kPadHeight = 2.0;
+constexpr double kPadWidth = 0.6;
 constexpr double kRugbyPostHeight = 12.0;  // at least 3.4 by the laws; what big grounds have
 // The net's frame is not in the laws; what free-hanging box goals have.
 constexpr double kNetDepth = 2.0;
@@ -395,6 +397,15 @@ base::Result<PitchModel> make_pitch(Sport sport, const PitchSizes& sizes) {
   model.goal_height_m = kRugbyBarHeight - kPostDiameter;
   paint_rugby(model);
   return model;
+}
+
+std::vector<Bar> post_pads(const PitchModel& pitch) {
+  std::vector<Bar> pads;
+  if (pitch.sport != Sport::kRugbyUnion) return pads;
+  for (const Bar& bar : pitch.bars)
+    if (bar.end.z() - bar.start.z() > kRugbyBarHeight)
+      pads.push_back({bar.start, bar.start + Eigen::Vector3d(0, 0, kPadHeight), kPadWidth});
+  return pads;
 }
 
 std::optional<Eigen::Vector3d> intersect_turf(const PitchModel& pitch,

@@ -129,6 +129,10 @@ struct PitchModel {
 // The model for a sport with the sizes given; names the size that is out of its bounds.
 base::Result<PitchModel> make_pitch(Sport sport, const PitchSizes& sizes);
 
+// What may be wrapped round the feet of rugby's goal posts, over the posts themselves: none in
+// soccer. World Rugby, Law 1: padding reaches at most 0.3 m from the goal line.
+std::vector<Bar> post_pads(const PitchModel& pitch);
+
 // First hit of a ray with the turf (crown included), within 1000 m; none above the horizon.
 std::optional<Eigen::Vector3d> intersect_turf(const PitchModel& pitch,
                                               const Eigen::Vector3d& origin,

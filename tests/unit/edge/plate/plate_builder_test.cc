@@ -60,18 +60,23 @@ TEST(PlateBuilder, APersonWhoStandsStillIsNeverLearntOnTurf) {
   const auto pitch = test_pitch();
   const auto camera = test_camera(0);
   const Backdrop scene(camera, pitch);
-  const Disc person{{180, 200}, 9};
-  PlateBuilder builder(pitch, kCentre, kScale);
-  for (unsigned k = 0; k < 20; ++k) builder.add(scene.frame({person}, k), camera);
-  const auto plate = builder.snapshot(true);
-  for (int y = 190; y <= 210; y += 2)
-    for (int x = 170; x <= 190; x += 2) {
-      const auto got = plate_at(*plate, camera, {x, y});
-      ASSERT_TRUE(got);
-      const auto wanted = background_at(camera, pitch, {x, y});
-      EXPECT_NEAR((*got)[2], wanted[2], 20) << x << ' ' << y;
-      EXPECT_NEAR((*got)[0], wanted[0], 40) << x << ' ' << y;
-    }
+  // Red, black, and the colour of a dark arm.
+  for (const auto& colour :
+       {std::array<float, 3>{400, 440, 760}, std::array<float, 3>{100, 512, 510},
+        std::array<float, 3>{200, 485, 520}}) {
+    const Disc person{{180, 200}, 9, colour};
+    PlateBuilder builder(pitch, kCentre, kScale);
+    for (unsigned k = 0; k < 20; ++k) builder.add(scene.frame({person}, k), camera);
+    const auto plate = builder.snapshot(true);
+    for (int y = 190; y <= 210; y += 2)
+      for (int x = 170; x <= 190; x += 2) {
+        const auto got = plate_at(*plate, camera, {x, y});
+        ASSERT_TRUE(got);
+        const auto wanted = background_at(camera, pitch, {x, y});
+        EXPECT_NEAR((*got)[2], wanted[2], 20) << x << ' ' << y;
+        EXPECT_NEAR((*got)[0], wanted[0], 40) << x << ' ' << y;
+      }
+  }
 }
 
 TEST(PlateBuilder, WhereNobodyEverSawTurfTheDeviationIsRaised) {

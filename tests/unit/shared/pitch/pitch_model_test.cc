@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -63,6 +64,21 @@ TEST(PitchModel, MapsOntoItselfWhenTurnedByHalfATurn) {
       }
       EXPECT_LT(best, 1e-9);
     }
+  }
+}
+
+TEST(PitchModel, RugbyPostsHavePadsOverThem) {
+  EXPECT_TRUE(post_pads(must_make(Sport::kSoccer, {})).empty());
+  const PitchModel rugby = must_make(Sport::kRugbyUnion, {});
+  const auto pads = post_pads(rugby);
+  ASSERT_EQ(pads.size(), 4U);
+  for (const Bar& pad : pads) {
+    const auto post = std::find_if(rugby.bars.begin(), rugby.bars.end(),
+                                   [&](const Bar& bar) { return bar.start == pad.start; });
+    ASSERT_NE(post, rugby.bars.end());
+    EXPECT_GT(pad.diameter, post->diameter);
+    EXPECT_EQ(pad.end.head<2>(), pad.start.head<2>());
+    EXPECT_LT(pad.end.z(), post->end.z());
   }
 }
 
