@@ -22,13 +22,19 @@ constexpr double kEdgeShare = 0.5;                        // of a component alon
 constexpr int kThin = 3;              // mean width of one that is no body, pixels
 constexpr double kSmallPerson = 0.2;  // square metres, under which such a component is dropped
 constexpr double kStrongShare = 0.1;  // of a component, beyond the strong distance
-constexpr double kLimbStrong = 0.4;   // likewise, of a limb before an edge of the plate
-constexpr double kThinLimb = 2;       // mean width of one, pixels
-constexpr double kLimbGap = 0.25;     // metres from one to the body it belongs to
-constexpr double kLeastScale = 20;    // pixels a metre where the turf is not in sight
-constexpr double kLargeHole = 0.25;   // metres: none larger than this square is closed
-constexpr double kJump = 1.2;         // metres that feet may be over the turf
-constexpr double kSmallHole = 0.06;   // metres: holes up to this square are closed more readily
+// A component of a person's size and shape that stands on the turf needs less.
+constexpr double kFairShare = 0.5;      // of the strong distance, that half of it must be beyond
+constexpr double kStandingLeast = 0.9;  // height, metres
+constexpr double kStandingMost = 2.4;
+constexpr double kStandingWidth = 0.8;  // of its height, most
+constexpr double kStandingArea = 0.09;  // of its height squared, least
+constexpr double kLimbStrong = 0.4;     // likewise, of a limb before an edge of the plate
+constexpr double kThinLimb = 2;         // mean width of one, pixels
+constexpr double kLimbGap = 0.25;       // metres from one to the body it belongs to
+constexpr double kLeastScale = 20;      // pixels a metre where the turf is not in sight
+constexpr double kLargeHole = 0.25;     // metres: none larger than this square is closed
+constexpr double kJump = 1.2;           // metres that feet may be over the turf
+constexpr double kSmallHole = 0.06;     // metres: holes up to this square are closed more readily
 
 // Pixels beyond the weak distance after light smoothing, and not much weaker than the strongest
 // round them: the fringe that compression and the lens leave round a body is no body.
@@ -66,6 +72,7 @@ void candidates(const Difference& difference, const image::Image<std::uint8_t>& 
 struct Blob {
   int area = 0;
   int strong = 0;
+  int fair = 0;
   int on_edge = 0;
   std::int64_t sum = 0;  // of distances
   int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
@@ -73,6 +80,13 @@ struct Blob {
   bool keep = false;
   bool doubtful = false;  // an edge that did not fit, unless it is part of a body
 };
+
+bool stands(const Blob& b, double scale) {
+  const double height = b.bottom - b.top + 1;
+  return height >= kStandingLeast * scale && height <= kStandingMost * scale &&
+         b.right - b.left + 1 <= kStandingWidth * height &&
+         b.area >= kStandingArea * height * height && 2 * b.fair >= b.area;
+}
 
 // Whether a run of `bodies` lies within `reach` of the box.
 bool touches(const image::Image<std::uint8_t>& bodies, const Blob& b, int reach) {
@@ -146,6 +160,8 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
   const auto strong =
       static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
 
+  const auto fair = static_cast<std::uint8_t>(std::min(
+      255.0, std::max(options.weak_sigma, kFairShare * options.strong_sigma) * kDistanceScale));
   candidates(difference, peak, weak, scratch);
   auto runs = connect(scratch, 1, difference.active, true);
   std::vector<Blob> blobs(runs.size());
@@ -164,6 +180,7 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
     const std::uint8_t* edge = difference.edge.row(run.y);
     for (int x = run.begin; x < run.end; ++x) {
       b.strong += row[x] >= strong;
+      b.fair += row[x] >= fair;
       b.on_edge += edge[x];
     }
   }
@@ -173,8 +190,9 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
     const double ball =
         std::numbers::pi * std::pow(kBallRadius * (scale > 0 ? scale : kLeastScale), 2);
     const double least = std::max(4.0, kLeastShareOfBall * ball);
-    if (b.area < least || b.strong < std::max(2.0, 0.25 * least)) continue;
-    if (b.strong < kStrongShare * b.area) continue;
+    if (b.area < least) continue;
+    const bool sure = b.strong >= std::max({2.0, 0.25 * least, kStrongShare * b.area});
+    if (!sure && !(scale > 0 && stands(b, scale))) continue;
     // What is small or thin and lies along edges of the plate is an edge that did not quite fit.
     const double person = kSmallPerson * std::pow(scale > 0 ? scale : kLeastScale, 2);
     const int length = std::max(b.right - b.left, b.bottom - b.top) + 1;

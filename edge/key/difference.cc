@@ -21,6 +21,7 @@ constexpr float kLeastGrass = 0.25f;    // of the turf's chroma, that the plate'
 constexpr float kDarkestGrass = 0.3f;   // of the turf's luma
 constexpr float kLitAgain = 1.1f;       // luma of turf out of a shadow over that of turf round it
 constexpr float kCoarseShare = 0.8f;    // of the weak distance, for a sample of the first look
+constexpr float kCoarseFair = 0.5f;     // of the strong distance, that makes such a sample sure
 constexpr int kCoarseRows = 3;          // rows from one that is looked at to the next
 constexpr int kCoarseGrowth = 4;        // cells from a sure one to one that is perhaps part of it
 constexpr int kCoarseCount = 2;         // samples of a cell beyond it
@@ -384,7 +385,8 @@ CellMask find_active(const image::Frame& frame, PlateWarper& warper, const Frame
   const Light on_turf = light_on_turf(options);
   const Noise noise = noise_of(options);
   const float bound = static_cast<float>(std::pow(kCoarseShare * options.weak_sigma, 2));
-  const float sure = static_cast<float>(std::pow(kCoarseShare * options.strong_sigma, 2));
+  const float sure =
+      static_cast<float>(std::pow(kCoarseShare * kCoarseFair * options.strong_sigma, 2));
   CellMask maybe(width, height);
   CellMask hit(width, height);
   PlateSamples samples;

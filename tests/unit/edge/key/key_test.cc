@@ -153,6 +153,27 @@ TEST_F(Key, WhoPassedWhileThePlateWasLearntHidesNobodyElse) {
 }
 
 // A person in the colour of the stand, his legs over the turf.
+// 1500 frames of 25 a second, of which the plate takes every fifth.
+TEST_F(Key, WhoStandsForAMinuteFromTheFirstFrameOnStaysKeyed) {
+  for (const auto& shirt :
+       {std::array<float, 3>{400, 440, 760}, std::array<float, 3>{100, 514, 510}}) {
+    std::vector<Disc> person;
+    for (int k = 0; k < 10; ++k) person.push_back({{240, 170.0 + k}, 4, shirt});
+    std::vector<image::Frame> frames;
+    for (unsigned k = 0; k < 6; ++k) frames.push_back(scene_->frame(person, 20 + k));
+    plate::PlateOptions options;
+    options.update_every = 1;
+    plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500, options);
+    for (int k = 0; k < 300; ++k) {
+      builder.add(frames[static_cast<std::size_t>(k % 6)], camera_);
+      if (k != 20 && k != 299) continue;
+      const auto plate = builder.snapshot(true);
+      const auto result = key(frames[0], camera_, *plate, pitch_).matte;
+      EXPECT_EQ(kept(result, person), 10) << "frame " << k << " luma " << shirt[0];
+    }
+  }
+}
+
 TEST_F(Key, WhatLooksLikeThePlateNearAPersonIsUnknown) {
   camera_ = test_camera(0, -0.15);
   SetUp();
