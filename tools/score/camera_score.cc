@@ -34,6 +34,11 @@ const ScoreKind kTiltHonesty{"cameras",    "tilt error over stated sd", "",
                              Better::kOne, Statistic::kRootMeanSquare,  2};
 const ScoreKind kFocalHonesty{"cameras",    "focal error over stated sd", "",
                               Better::kOne, Statistic::kRootMeanSquare,   2};
+// Of pan, tilt and focal length, a third of the sum of the squared quotients.
+const ScoreKind kCommon{
+    "cameras", "normalised square error, all frames", "", Better::kOne, Statistic::kMean, 2};
+const ScoreKind kFrameToFrame{
+    "cameras", "normalised square error, between frames", "", Better::kLower, Statistic::kMean, 2};
 
 using Points = std::vector<std::optional<Eigen::Vector2d>>;
 
@@ -114,8 +119,36 @@ struct PanTrack {
   std::vector<double> errors_deg;
 };
 
+// Errors of pan, tilt and focal length, and what was stated of them.
+struct Stated {
+  std::vector<std::int64_t> frames;
+  std::vector<Eigen::Array3d> errors;
+  std::vector<Eigen::Array3d> variances;
+};
+
+// The mean error of a camera's frames, and what is left of each, over what was stated. Returns
+// whether there was anything.
+bool add_normalised(const Stated& stated, const std::string& camera, SeriesBook& book) {
+  if (stated.frames.empty()) return false;
+  const double n = static_cast<double>(stated.frames.size());
+  Eigen::Array3d error = Eigen::Array3d::Zero();
+  Eigen::Array3d variance = Eigen::Array3d::Zero();
+  for (std::size_t i = 0; i < stated.frames.size(); ++i) {
+    error += stated.errors[i] / n;
+    variance += stated.variances[i] / n;
+  }
+  book.add(kCommon, camera, {stated.frames.front(), (error.square() / variance).mean()});
+  for (std::size_t i = 0; i < stated.frames.size(); ++i) {
+    const Eigen::Array3d off = stated.errors[i] - error;
+    book.add(kFrameToFrame, camera,
+             {stated.frames[i], (off.square() / stated.variances[i]).mean()});
+  }
+  return true;
+}
+
 void add_solved(const Context& context, const recording::CameraRow& row, const std::string& camera,
-                const geometry::CameraEstimate& truth, SeriesBook& book, PanTrack& pan) {
+                const geometry::CameraEstimate& truth, SeriesBook& book, PanTrack& pan,
+                Stated& stated) {
   geometry::CameraEstimate estimate;
   estimate.model = row.model;
   estimate.model.width = truth.model.width;
@@ -145,6 +178,12 @@ void add_solved(const Context& context, const recording::CameraRow& row, const s
   honesty(kPanHonesty, error.pan_deg, row.report->sd_pan_deg);
   honesty(kTiltHonesty, error.tilt_deg, row.report->sd_tilt_deg);
   honesty(kFocalHonesty, error.focal_rel, row.report->sd_focal_rel);
+  const Eigen::Array3d sd(row.report->sd_pan_deg, row.report->sd_tilt_deg,
+                          row.report->sd_focal_rel);
+  if (!(sd.minCoeff() > 0)) return;
+  stated.frames.push_back(row.frame);
+  stated.errors.emplace_back(error.pan_deg, error.tilt_deg, error.focal_rel);
+  stated.variances.emplace_back(sd.square());
 }
 
 }  // namespace
@@ -233,7 +272,15 @@ std::vector<std::optional<double>> without_slow_part(std::span<const double> tim
   return out;
 }
 
+std::array<double, 2> mean_square_band(int count) {
+  constexpr double kSigmas = 1.6449;  // of a normal variable, 5 % beyond
+  const double v = 2.0 / (9.0 * std::max(count, 1));
+  return {std::pow(std::max(0.0, 1 - v - kSigmas * std::sqrt(v)), 3),
+          std::pow(1 - v + kSigmas * std::sqrt(v), 3)};
+}
+
 base::Status score_cameras(const Context& context, SeriesBook& book, Remarks& remarks) {
+  int honest_cameras = 0;
   for (const recording::CameraEntry& entry : context.recording.cameras) {
     const std::string& id = entry.id.value;
     const std::vector<std::int64_t> instants = context.instants(entry.id);
@@ -252,6 +299,7 @@ base::Status score_cameras(const Context& context, SeriesBook& book, Remarks& re
     std::map<std::int64_t, const recording::CameraRow*> by_frame;
     for (const recording::CameraRow& row : *rows) by_frame[row.frame] = &row;
     PanTrack pan;
+    Stated stated;
     for (const std::int64_t instant : instants) {
       const auto row = by_frame.find(instant);
       // Rows without a report count as solved.
@@ -260,8 +308,9 @@ base::Status score_cameras(const Context& context, SeriesBook& book, Remarks& re
           !(row->second->report && row->second->report->state == geometry::Evidence::kLost);
       book.add(kSolved, id, {instant, solved ? 100.0 : 0.0});
       const auto truth = context.camera(entry.id, instant);
-      if (solved && truth) add_solved(context, *row->second, id, *truth, book, pan);
+      if (solved && truth) add_solved(context, *row->second, id, *truth, book, pan, stated);
     }
+    if (add_normalised(stated, id, book)) ++honest_cameras;
     const auto noise = without_slow_part(pan.times_s, pan.errors_deg);
     for (std::size_t i = 0; i < noise.size(); ++i) {
       if (noise[i]) book.add(kPanNoise, id, {pan.frames[i], *noise[i]});
@@ -270,6 +319,13 @@ base::Status score_cameras(const Context& context, SeriesBook& book, Remarks& re
       remarks.not_scored.push_back(
           fmt::format("camera {}: lost in every frame, so it has no errors", id));
     }
+  }
+  if (honest_cameras > 0) {
+    const auto band = mean_square_band(3 * honest_cameras);
+    remarks.notes.push_back(fmt::format(
+        "normalised square error, all frames: of {} camera(s) whose stated deviations of pan, tilt "
+        "and focal length are true and independent, 90 % lie within {:.2f} .. {:.2f}",
+        honest_cameras, band[0], band[1]));
   }
   return {};
 }

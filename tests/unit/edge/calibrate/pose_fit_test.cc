@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -86,6 +87,44 @@ TEST(PoseModel, DerivativesAreThoseOfTheProjection) {
                                        PoseModel(mount, down).project(point)->pixel) /
                                       (2 * h);
       EXPECT_LT((numeric - image->by_pose.col(i)).norm(), 1e-3 * (1 + numeric.norm())) << i;
+    }
+  }
+}
+
+TEST(PoseModel, DerivativesByTheMountAreThoseOfTheProjection) {
+  geometry::Mount mount = test_mount();
+  mount.pupil_offset_m = 0.2;
+  mount.pupil_by_log_focal_m = -0.05;
+  mount.lens = {{1500, 0.01, -0.02}};
+  PoseVector pose = PoseVector::Zero();
+  pose.head<4>() << 0.3, -0.2, 0.01, std::log(1500.0);
+  const double s = (960.0 * 960.0 + 540.0 * 540.0) / 4 / (1500.0 * 1500.0);
+  const Eigen::Matrix3d by_size = Eigen::Vector3d(0.5, -0.3, -0.8).asDiagonal();
+  const auto pixel = [&](const Eigen::Vector3d& point, int index, double change) {
+    geometry::Mount moved = mount;
+    Eigen::Vector3d at = point;
+    const std::array<double*, 9> field{&moved.position_in_world.x(),
+                                       &moved.position_in_world.y(),
+                                       &moved.position_in_world.z(),
+                                       &moved.level_x,
+                                       &moved.level_y,
+                                       &moved.cx,
+                                       &moved.cy,
+                                       &moved.pupil_offset_m,
+                                       &moved.pupil_by_log_focal_m};
+    if (index < 9) *field[static_cast<std::size_t>(index)] += change;
+    if (index >= 9 && index < 12) at += by_size.col(index - 9) * change;
+    if (index == 12) moved.lens[0].k1 += change / s;
+    if (index == 13) moved.lens[0].k2 += change / (s * s);
+    return PoseModel(moved, pose).project(at)->pixel;
+  };
+  for (const Eigen::Vector3d& point : {Eigen::Vector3d(20, 0, 0), {30, 25, -0.2}, {15, -10, 1}}) {
+    const auto analytic = PoseModel(mount, pose).by_mount(point, by_size);
+    ASSERT_TRUE(analytic.has_value());
+    for (int i = 0; i < kMountErrors; ++i) {
+      const double h = 1e-6;
+      const Eigen::Vector2d numeric = (pixel(point, i, h) - pixel(point, i, -h)) / (2 * h);
+      EXPECT_LT((numeric - analytic->col(i)).norm(), 1e-3 * (1 + numeric.norm())) << i;
     }
   }
 }
@@ -175,6 +214,61 @@ TEST(PoseFit, ErrorsAreAsLargeAsTheCovarianceSays) {
   // Four degrees of freedom, of which the prior holds roll: between half and twice 3.
   EXPECT_GT(sum / trials, 1.5);
   EXPECT_LT(sum / trials, 6.0);
+}
+
+// Cameras whose mount is not what the survey says: the survey errs as it says, and so must frames.
+TEST(PoseFit, TheMountsErrorsAreInTheCovariance) {
+  const pitch::PitchModel pitch = soccer();
+  geometry::Mount mount = test_mount();
+  mount.lens = {{1200, -0.03, 0.02}};
+  Eigen::VectorXd sd(geometry::Mount::kShared + 2);
+  sd << 0.03, 0.04, 0.02, 4e-4, 3e-4, 1.5, 2.0, 0.02, 0.01, 0, 0, 0, 2e-4, 1e-4;
+  mount.covariance = sd.cwiseAbs2().asDiagonal();
+  std::mt19937 random(12);
+  std::normal_distribution<double> gauss;
+  PoseFitOptions options;
+  options.point_correlation = 1;
+  double sum = 0;
+  double alone = 0;
+  const int trials = 40;
+  for (int i = 0; i < trials; ++i) {
+    geometry::Mount real = mount;
+    for (int k = 0; k < 3; ++k) real.position_in_world(k) += sd(k) * gauss(random);
+    real.level_x += sd(3) * gauss(random);
+    real.level_y += sd(4) * gauss(random);
+    real.cx += sd(5) * gauss(random);
+    real.cy += sd(6) * gauss(random);
+    real.pupil_offset_m += sd(7) * gauss(random);
+    real.pupil_by_log_focal_m += sd(8) * gauss(random);
+    const double s = (960.0 * 960.0 + 540.0 * 540.0) / 4 / (1200.0 * 1200.0);
+    real.lens[0].k1 += sd(12) * gauss(random) / s;
+    real.lens[0].k2 += sd(13) * gauss(random) / (s * s);
+    const geometry::CameraEstimate truth = camera_at(real, 12 - i, -13, 1200);
+    const geometry::CameraEstimate start = camera_at(mount, 12 - i, -13, 1200);
+    geometry::CameraEstimate near = start;
+    for (int look = 0; look < 2; ++look)
+      near = fit_pose(ideal_points(pitch, truth, near, 0.1, 0, random), mount, start, near, options)
+                 .result.estimate;
+    const PoseFit fit =
+        fit_pose(ideal_points(pitch, truth, near, 0.1, 0, random), mount, start, near, options);
+    const geometry::CameraEstimate& found = fit.result.estimate;
+    const Eigen::Vector3d turned = geometry::pan_tilt_roll(found.cam_from_world.rotation) -
+                                   geometry::pan_tilt_roll(truth.cam_from_world.rotation);
+    Eigen::Matrix<double, 6, 1> off;
+    off << turned.x(), turned.y(), std::log(found.model.fx / truth.model.fx),
+        geometry::position_in_world(found) - geometry::position_in_world(truth);
+    const std::array<int, 6> rows{0, 1, 3, 6, 7, 8};
+    Eigen::Matrix<double, 6, 6> spread;
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t c = 0; c < 6; ++c)
+        spread(static_cast<int>(r), static_cast<int>(c)) = found.covariance(rows[r], rows[c]);
+    sum += off.dot(spread.ldlt().solve(off)) / 6;
+    alone += turned.y() * turned.y() / fit.frame_covariance(1, 1);
+  }
+  // The 90 % band of chi-square with 240 degrees of freedom, over them, is 0.85 to 1.15.
+  EXPECT_GT(sum / trials, 0.85);
+  EXPECT_LT(sum / trials, 1.15);
+  EXPECT_GT(alone / trials, 20);  // a frame's own noise is not the half of it
 }
 
 TEST(PoseFit, FindsPositionAndLensWhereAsked) {

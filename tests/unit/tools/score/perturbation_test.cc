@@ -78,6 +78,42 @@ TEST(Perturbation, ATenthOfADegreeOfPan) {
   EXPECT_LT(figure(*report, "cameras", "pan noise"), 1e-6);  // it is the same in every frame
 }
 
+TEST(Perturbation, AnErrorOfTheStatedSizeScoresOne) {
+  const TrueExports exports;
+  constexpr double kTurn = 0.1 * kDegree;
+  exports.write_cameras([&](const std::string&, recording::CameraRow& row) {
+    pan_by(row, kTurn);
+    row.report->sd_pan_deg = 0.1 / std::sqrt(3.0);  // a third of the sum of three squares
+    row.report->sd_tilt_deg = row.report->sd_focal_rel = 1;
+  });
+  const auto report = exports.score();
+  ASSERT_TRUE(report) << to_string(report.error());
+  EXPECT_NEAR(figure(*report, "cameras", "normalised square error, all frames"), 1, 1e-3);
+  EXPECT_LT(figure(*report, "cameras", "normalised square error, between frames"), 1e-6);
+}
+
+TEST(Perturbation, NoiseOfTheStatedSizeScoresOneBetweenFrames) {
+  const TrueExports exports;
+  std::map<std::string, int> seen;
+  exports.write_cameras([&](const std::string& camera, recording::CameraRow& row) {
+    pan_by(row, (seen[camera]++ % 2 == 0 ? 0.1 : -0.1) * kDegree);
+    row.report->sd_pan_deg = 0.1 / std::sqrt(3.0);
+    row.report->sd_tilt_deg = row.report->sd_focal_rel = 1;
+  });
+  const auto report = exports.score();
+  ASSERT_TRUE(report) << to_string(report.error());
+  EXPECT_NEAR(figure(*report, "cameras", "normalised square error, between frames"), 1, 0.1);
+  EXPECT_LT(figure(*report, "cameras", "normalised square error, all frames"), 0.1);
+}
+
+TEST(MeanSquareBand, IsThatOfChiSquare) {
+  // Tables: 0.352 and 7.815 for 3 degrees of freedom, 18.493 and 43.773 for 30.
+  EXPECT_NEAR(mean_square_band(3)[0], 0.352 / 3, 0.01);
+  EXPECT_NEAR(mean_square_band(3)[1], 7.815 / 3, 0.02);
+  EXPECT_NEAR(mean_square_band(30)[0], 18.493 / 30, 0.002);
+  EXPECT_NEAR(mean_square_band(30)[1], 43.773 / 30, 0.002);
+}
+
 TEST(Perturbation, PanThatTrembles) {
   const TrueExports exports;
   exports.write_cameras([](const std::string&, recording::CameraRow& row) {
