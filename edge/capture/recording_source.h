@@ -1,4 +1,4 @@
-// One camera of a recording as a frame source.
+// One camera of a recording as a frame source. Interlaced frames come out progressive.
 #pragma once
 
 #include <chrono>
@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "edge/capture/deinterlacer.h"
 #include "edge/capture/frame_source.h"
 #include "shared/base/ids.h"
 #include "shared/recording/recording.h"
@@ -42,10 +43,15 @@ class RecordingSource final : public FrameSource {
     base::MediaTime media;
   };
 
-  RecordingSource(recording::VideoReader reader, runtime::Clock& clock, Pace pace)
-      : reader_(std::move(reader)), clock_(clock), pace_(pace) {}
+  RecordingSource(recording::VideoReader reader, base::FrameRate rate, runtime::Clock& clock,
+                  Pace pace)
+      : reader_(std::move(reader)), rate_(rate), clock_(clock), pace_(pace) {}
+  base::Result<std::optional<image::Frame>> next_progressive();
 
   recording::VideoReader reader_;
+  const base::FrameRate rate_;
+  std::optional<Deinterlacer> deinterlacer_;  // of an interlaced camera, from its first frame on
+  std::optional<base::Error> failed_;         // behind the deinterlacer's last frame
   runtime::Clock& clock_;
   const Pace pace_;
   std::optional<Origin> origin_;
