@@ -28,13 +28,17 @@ constexpr double kStandingLeast = 0.9;  // height, metres
 constexpr double kStandingMost = 2.4;
 constexpr double kStandingWidth = 0.8;  // of its height, most
 constexpr double kStandingArea = 0.09;  // of its height squared, least
-constexpr double kLimbStrong = 0.4;     // likewise, of a limb before an edge of the plate
-constexpr double kThinLimb = 2;         // mean width of one, pixels
-constexpr double kLimbGap = 0.25;       // metres from one to the body it belongs to
-constexpr double kLeastScale = 20;      // pixels a metre where the turf is not in sight
-constexpr double kLargeHole = 0.25;     // metres: none larger than this square is closed
-constexpr double kJump = 1.2;           // metres that feet may be over the turf
-constexpr double kSmallHole = 0.06;     // metres: holes up to this square are closed more readily
+// One that is smaller than a person, off the turf, among what keeps changing is part of that.
+constexpr double kBoardReach = 1.5;   // metres round it that are looked at
+constexpr double kBoardShare = 0.15;  // of them, that keeps changing
+constexpr double kBoardMost = 1.1;    // height and width of such a component, metres
+constexpr double kLimbStrong = 0.4;   // likewise, of a limb before an edge of the plate
+constexpr double kThinLimb = 2;       // mean width of one, pixels
+constexpr double kLimbGap = 0.25;     // metres from one to the body it belongs to
+constexpr double kLeastScale = 20;    // pixels a metre where the turf is not in sight
+constexpr double kLargeHole = 0.25;   // metres: none larger than this square is closed
+constexpr double kJump = 1.2;         // metres that feet may be over the turf
+constexpr double kSmallHole = 0.06;   // metres: holes up to this square are closed more readily
 
 // Pixels beyond the weak distance after light smoothing, and not much weaker than the strongest
 // round them: the fringe that compression and the lens leave round a body is no body.
@@ -86,6 +90,24 @@ bool stands(const Blob& b, double scale) {
   return height >= kStandingLeast * scale && height <= kStandingMost * scale &&
          b.right - b.left + 1 <= kStandingWidth * height &&
          b.area >= kStandingArea * height * height && 2 * b.fair >= b.area;
+}
+
+// Whether it is lettering that moves on a board, say.
+bool changes(const Blob& b, double scale, const Difference& difference) {
+  const double most = kBoardMost * scale;
+  if (b.bottom - b.top + 1 > most || b.right - b.left + 1 > 3 * most) return false;
+  const auto& changing = difference.changing;
+  const int reach = static_cast<int>(std::ceil(kBoardReach * scale));
+  const int left = std::max(0, b.left - reach);
+  const int right = std::min(changing.width() - 1, b.right + reach);
+  int seen = 0;
+  int moving = 0;
+  for (int y = b.top; y <= b.bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      seen += difference.known(x, y) == 1 ? 1 : 0;
+      moving += changing(x, y);
+    }
+  return moving > kBoardShare * seen;
 }
 
 // Whether a run of `bodies` lies within `reach` of the box.
@@ -193,6 +215,7 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
     if (b.area < least) continue;
     const bool sure = b.strong >= std::max({2.0, 0.25 * least, kStrongShare * b.area});
     if (!sure && !(scale > 0 && stands(b, scale))) continue;
+    if (changes(b, scale > 0 ? scale : kLeastScale, difference)) continue;
     // What is small or thin and lies along edges of the plate is an edge that did not quite fit.
     const double person = kSmallPerson * std::pow(scale > 0 ? scale : kLeastScale, 2);
     const int length = std::max(b.right - b.left, b.bottom - b.top) + 1;

@@ -21,6 +21,7 @@ constexpr float kLeastGrass = 0.25f;    // of the turf's chroma, that the plate'
 constexpr float kDarkestGrass = 0.3f;   // of the turf's luma
 constexpr float kLitAgain = 1.1f;       // luma of turf out of a shadow over that of turf round it
 constexpr float kCoarseShare = 0.8f;    // of the weak distance, for a sample of the first look
+constexpr float kChanging = 20;         // deviation of luma of what keeps changing, code values
 constexpr float kCoarseFair = 0.5f;     // of the strong distance, that makes such a sample sure
 constexpr int kCoarseRows = 3;          // rows from one that is looked at to the next
 constexpr int kCoarseGrowth = 4;        // cells from a sure one to one that is perhaps part of it
@@ -438,6 +439,7 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
   reset(out.distance, width, height, std::uint8_t{0});
   reset(out.known, width, height, std::uint8_t{0});
   reset(out.edge, width, height, std::uint8_t{0});
+  reset(out.changing, width, height, std::uint8_t{0});
 
   const Light on_grass = light_on_turf(options);
   const Noise noise = noise_of(options);
@@ -523,6 +525,12 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const __m128i nothing = _mm_cmpeq_epi8(known, _mm_setzero_si128());
     store_bytes(known, n, out.known.row(y) + x);
     store_bytes(edge, n, out.edge.row(y) + x);
+    const __m256i moves = _mm256_castps_si256(greater(luma_deviation, all(kChanging)));
+    const __m128i moving_words =
+        _mm_packs_epi32(_mm256_castsi256_si128(moves), _mm256_extracti128_si256(moves, 1));
+    const __m128i changing = _mm_andnot_si128(
+        no_plate, _mm_and_si128(_mm_packs_epi16(moving_words, moving_words), _mm_set1_epi8(1)));
+    store_bytes(changing, n, out.changing.row(y) + x);
     store_bytes(_mm_andnot_si128(nothing, to_bytes(d)), n, out.distance.row(y) + x);
   };
   // A row of cells is compared as soon as it and the next are there, while they are in the cache.

@@ -27,6 +27,7 @@ Expected turf_colour(const image::Frame& frame, const FrameGrid& grid);
 struct Difference {
   CellMask active;
   image::Image<std::uint8_t> edge;      // 1 where the plate has an edge
+  image::Image<std::uint8_t> changing;  // 1 where the plate keeps changing: boards, crowd
   image::Image<std::uint8_t> distance;  // in kDistanceScale, saturating; 0 outside the volume
   image::Image<std::uint8_t>
       known;  // 1 = plate, 2 = turf colour alone, 0 = nothing to compare with

@@ -211,6 +211,30 @@ TEST_F(Key, HalfAPixelOfCalibrationErrorMakesNoPeopleOfLines) {
   EXPECT_LT(lit, alpha.width() * alpha.height() / 2000);
 }
 
+// Lettering that runs along a board behind the far touchline.
+TEST_F(Key, LetteringThatMovesAlongABoardIsNobody) {
+  const auto above = geometry::project(camera_, Eigen::Vector3d(0, pitch_.width_m / 2 + 4.5, 1.0));
+  ASSERT_TRUE(above);
+  const auto lettering = [&](int shift) {
+    std::vector<Disc> letters;
+    for (int x = 40 + shift % 14; x < 440; x += 14)
+      letters.push_back({{static_cast<double>(x), above->y()}, 3, {800, 512, 512}});
+    return letters;
+  };
+  plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
+  for (int k = 0; k < 14; ++k)
+    builder.add(scene_->frame(lettering(3 * k), static_cast<unsigned>(50 + k)), camera_);
+  const auto plate = builder.snapshot(true);
+  auto discs = lettering(10);
+  std::vector<Disc> person;
+  for (int k = 0; k < 10; ++k) person.push_back({{240, 170.0 + k}, 4, {400, 440, 760}});
+  discs.insert(discs.end(), person.begin(), person.end());
+  const auto found = key(scene_->frame(discs, 3), camera_, *plate, pitch_).matte;
+  // Most of it: the median of few samples misses some of the change.
+  EXPECT_LE(kept(found, lettering(10)), static_cast<int>(lettering(10).size()) / 3);
+  EXPECT_EQ(kept(found, person), 10);
+}
+
 TEST_F(Key, TheSkyAndTheUpperStandsAreNobodysPlace) {
   camera_ = test_camera(0, 0.05);
   SetUp();
