@@ -56,6 +56,17 @@ void read_tracking(config::Document& document, publish::TrackingOptions& trackin
        {"first-sum-first", publish::ChecksumOrder::kFirstSumFirst}});
 }
 
+void read_head(config::Document& document, std::optional<head::FreeDReceiverOptions>& head) {
+  config::Table table = document.root().table("head");
+  head::FreeDReceiverOptions options;
+  options.address = table.text("free_d_at", options.address);
+  options.port = static_cast<int>(table.integer("free_d_port", 0, {0, 65535}));
+  if (const auto id = table.optional_integer("free_d_camera_id", {0, 255}))
+    options.camera_id = static_cast<int>(*id);
+  options.stale_s = table.number("stale_s", options.stale_s, {0.01, 60});
+  if (options.port > 0) head = options;
+}
+
 }  // namespace
 
 base::Status EdgeConfig::validate() const {
@@ -91,6 +102,7 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path) {
   read_link(wire, out.link);
   out.hub_timeout_s = wire.number("hub_timeout_s", out.hub_timeout_s, {1, 3600});
   read_chain(*document, out.chain);
+  read_head(*document, out.head);
   read_tracking(*document, out.tracking);
   if (base::Status status = document->finish(); !status) return base::fail(status.error());
   return out;
@@ -162,6 +174,20 @@ SurveyStills load_stills(const recording::CameraEntry& camera) {
     }
   }
   return out;
+}
+
+base::Result<std::unique_ptr<head::HeadSource>> open_head(const EdgeConfig& config,
+                                                          const recording::CameraEntry& camera,
+                                                          const runtime::Clock& clock) {
+  if (config.head) {
+    auto receiver = head::FreeDReceiver::open(*config.head, clock);
+    if (!receiver) return base::fail(receiver.error());
+    return std::move(*receiver);
+  }
+  if (camera.head.empty()) return nullptr;
+  auto rows = recording::read_head_table(camera.head);
+  if (!rows) return base::fail(rows.error());
+  return std::make_unique<head::RecordedHead>(std::move(*rows));
 }
 
 }  // namespace touchline::edge

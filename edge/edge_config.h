@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "edge/capture/recording_source.h"
 #include "edge/frame_chain.h"
+#include "edge/head/free_d_receiver.h"
 #include "edge/publish/tracking_out.h"
 #include "shared/base/ids.h"
 #include "shared/base/result.h"
@@ -24,6 +26,7 @@ struct EdgeConfig {
   wire::LinkOptions link;
   double hub_timeout_s = 60;  // how long the unit waits for a hub at the start, seconds; 1..3600
   ChainOptions chain;
+  std::optional<head::FreeDReceiverOptions> head;  // a head that speaks free-d, by UDP
   publish::TrackingOptions tracking;  // to graphics engines; to nobody unless receivers are named
 
   base::Status validate() const;
@@ -44,5 +47,11 @@ struct SurveyStills {
   std::vector<base::Error> troubles;
 };
 SurveyStills load_stills(const recording::CameraEntry& camera);
+
+// The head's encoders: by free-d where the configuration says so, else those of the recording; none
+// where there are none. The clock must outlive them.
+base::Result<std::unique_ptr<head::HeadSource>> open_head(const EdgeConfig& config,
+                                                          const recording::CameraEntry& camera,
+                                                          const runtime::Clock& clock);
 
 }  // namespace touchline::edge

@@ -88,10 +88,10 @@ void capture_frames(capture::FrameSource& source, base::BoundedQueue<image::Fram
 
 void process_frames(const ChainSetup& setup, const ChainOptions& options,
                     std::vector<image::Frame> stills, runtime::Executor& executor,
-                    publish::TrackingOut& tracking, base::BoundedQueue<image::FramePtr>& in,
-                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
-                    std::stop_token stop) {
-  auto chain = FrameChain::make(setup, options, std::move(stills), &executor);
+                    head::HeadSource* head, publish::TrackingOut& tracking,
+                    base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
+                    ChainReport& report, Trouble& trouble, std::stop_token stop) {
+  auto chain = FrameChain::make(setup, options, std::move(stills), &executor, head);
   if (!chain) {
     trouble.set(chain.error());
     in.close();
@@ -117,7 +117,8 @@ void process_frames(const ChainSetup& setup, const ChainOptions& options,
 
 base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& setup,
                                   const std::string& source_name, capture::FrameSource& source,
-                                  SurveyStills stills, std::uint32_t epoch, std::stop_token stop) {
+                                  SurveyStills stills, head::HeadSource* head, std::uint32_t epoch,
+                                  std::stop_token stop) {
   if (base::Status status = config.validate(); !status) return base::fail(status.error());
   auto link = wire::EdgeLink::open(config.link, config.camera, epoch);
   if (!link) return base::fail(link.error());
@@ -145,8 +146,8 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
     executor = std::make_unique<runtime::InlineExecutor>();
   }
   std::jthread process_thread([&] {
-    process_frames(setup, config.chain, std::move(stills.frames), *executor, *tracking, captured,
-                   outgoing, report.chain, trouble, end.get_token());
+    process_frames(setup, config.chain, std::move(stills.frames), *executor, head, *tracking,
+                   captured, outgoing, report.chain, trouble, end.get_token());
   });
 
   // This thread publishes.

@@ -26,11 +26,12 @@ struct EdgeReport {
   std::optional<base::Error> trouble;
 };
 
-// `epoch` is that of the frames of `source`. Runs until the source ends or a stop is requested. An
-// Error means that the hub could not be served to the end; the trouble of a source or a survey is
-// in the report, and the hub has been told.
+// `epoch` is that of the frames of `source`; `head` are the encoders, or null. Runs until the
+// source ends or a stop is requested. An Error means that the hub could not be served to the end;
+// the trouble of a source or a survey is in the report, and the hub has been told.
 base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& setup,
                                   const std::string& source_name, capture::FrameSource& source,
-                                  SurveyStills stills, std::uint32_t epoch, std::stop_token stop);
+                                  SurveyStills stills, head::HeadSource* head, std::uint32_t epoch,
+                                  std::stop_token stop);
 
 }  // namespace touchline::edge

@@ -49,8 +49,8 @@ base::Status ChainOptions::validate() const {
     return out_of_bounds("plate_publish_frames", plate_publish_frames, "1..100000");
   }
   for (const base::Status& part :
-       {detail.validate(), mount.validate(), plate.validate(), key.validate(), encode.validate(),
-        codec.validate(), plate_tiles.validate()}) {
+       {detail.validate(), mount.validate(), head.validate(), plate.validate(), key.validate(),
+        encode.validate(), codec.validate(), plate_tiles.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -84,6 +84,7 @@ struct FrameChain::Impl {
 
   // Active state.
   std::optional<MountFinder> finder;
+  std::optional<HeadFollower> head;
   std::unique_ptr<calibrate::Calibrator> calibrator;
   std::unique_ptr<compensate::Compensator> compensator;
   std::unique_ptr<plate::PlateBuilder> plate;
@@ -91,7 +92,8 @@ struct FrameChain::Impl {
   key::Keyer keyer;
   std::shared_ptr<const image::PlateSnapshot> sent_plate;
   std::vector<image::FramePtr> held;
-  bool running = false;  // the hold-back is over
+  std::vector<std::optional<head::HeadCounts>> held_counts;  // of those
+  bool running = false;                                      // the hold-back is over
   bool calibrated_any = false;
   std::uint64_t held_bytes = 0;
   std::uint64_t frames_since_plate = 0;
@@ -124,17 +126,27 @@ struct FrameChain::Impl {
     return estimate;
   }
 
-  geometry::CameraEstimate calibrate_frame(const image::Frame& frame) {
+  // By the lines; else by the head's encoders, which start the lines anew where those were lost.
+  geometry::CameraEstimate calibrate_frame(const image::Frame& frame,
+                                           const std::optional<head::HeadCounts>& counts) {
     const StageTimer timer(stage(kCalibrate));
     geometry::CameraEstimate estimate = lost(frame);
     std::string why;
     if (calibrator) {
-      state::TrackResult tracked = calibrator->process(frame);
-      if (tracked.estimate.lost()) {
-        why = ": " + tracked.report.stopped_because;
-      } else {
-        estimate = std::move(tracked.estimate);
+      const geometry::Mount& mount = *finder->mount();
+      head->observe(counts);
+      if (calibrated_any && report.calibration != geometry::Evidence::kLines) {
+        if (const auto prior = head->prior(mount)) calibrator->start_from(*prior);
       }
+      state::TrackResult tracked = calibrator->process(frame);
+      if (!tracked.estimate.lost()) {
+        estimate = std::move(tracked.estimate);
+        head->learn(mount, estimate);
+      } else {
+        why = ": " + tracked.report.stopped_because;
+        if (auto by_head = head->estimate(mount)) estimate = std::move(*by_head);
+      }
+      if (std::string text = head->take_note(); !text.empty()) note(std::move(text));
     }
     if (estimate.evidence != report.calibration || !calibrated_any) {
       note(fmt::format("calibration: {} from frame {} on{}", geometry::name(estimate.evidence),
@@ -151,12 +163,14 @@ struct FrameChain::Impl {
     if (change == MountFinder::Change::kNone) return;
     calibrator = finder->make_calibrator();
     if (change == MountFinder::Change::kSizes) return;
+    head->forget();
     if (const auto old = plate ? plate->snapshot() : nullptr) plate_version = old->version + 1;
     plate.reset();
   }
 
   void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
-    if (!plate || estimate.lost()) return;
+    // Encoders are not as sure as a plate must be.
+    if (!plate || estimate.lost() || estimate.evidence == geometry::Evidence::kEncoder) return;
     const StageTimer timer(stage(kPlate));
     plate->add(frame, estimate);
   }
@@ -184,6 +198,7 @@ struct FrameChain::Impl {
     ++report.frames_out;
     codec::EncodedView bare{frame.id, frame.stamp, estimate, {}};
     if (estimate.lost()) ++report.frames_lost;
+    if (estimate.evidence == geometry::Evidence::kEncoder) ++report.frames_by_head;
     if (estimate.lost() || snapshot == nullptr) return bare;
     state::KeyResult keyed;
     {
@@ -251,7 +266,8 @@ struct FrameChain::Impl {
     note_survey();
     calibrator = finder->make_calibrator();
     std::vector<geometry::CameraEstimate> estimates;
-    for (const image::FramePtr& frame : held) estimates.push_back(calibrate_frame(*frame));
+    for (std::size_t i = 0; i < held.size(); ++i)
+      estimates.push_back(calibrate_frame(*held[i], held_counts[i]));
     start_plate(estimates);
     for (std::size_t i = 0; i < held.size(); ++i) learn_plate(*held[i], estimates[i]);
     publish_plate(out);
@@ -260,6 +276,7 @@ struct FrameChain::Impl {
       held[i].reset();
     }
     held.clear();
+    held_counts.clear();
     return done(std::move(out));
   }
 
@@ -276,7 +293,7 @@ FrameChain::~FrameChain() = default;
 
 base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOptions& options,
                                           std::vector<image::Frame> stills,
-                                          runtime::Executor* executor) {
+                                          runtime::Executor* executor, head::HeadSource* head) {
   if (base::Status status = options.validate(); !status) return base::fail(status.error());
   auto impl = std::make_unique<Impl>();
   impl->setup = setup;
@@ -285,6 +302,7 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
   if (!pitch) return base::fail(pitch.error());
   impl->finder.emplace(setup, options.mount, std::move(*pitch),
                        executor != nullptr ? *executor : impl->at_once);
+  impl->head.emplace(head, options.head);
   impl->stills = std::move(stills);
   impl->report.stages = {{"compensate", 0, 0}, {"survey", 0, 0}, {"calibrate", 0, 0},
                          {"plate", 0, 0},      {"key", 0, 0},    {"encode", 0, 0}};
@@ -294,7 +312,9 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
 
 ChainOutput FrameChain::push(image::FramePtr frame) {
   ++impl_->report.frames_in;
+  const auto counts = impl_->head->read(*frame);
   if (!impl_->running) {
+    impl_->held_counts.push_back(counts);
     for (const auto& plane : frame->planes)
       impl_->held_bytes += plane.size() * sizeof(std::uint16_t);
     impl_->held.push_back(std::move(frame));
@@ -309,11 +329,15 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
   impl_->follow_anew(impl_->finder->retry(clean));
-  geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
-  const MountFinder::Change change = impl_->finder->follow(clean, estimate);
+  geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean, counts);
+  const bool by_head = estimate.evidence == geometry::Evidence::kEncoder;
+  // The finder looks at lines: what the encoders say is nothing to it.
+  const MountFinder::Change change =
+      impl_->finder->follow(clean, by_head ? Impl::lost(*clean) : estimate);
   impl_->follow_anew(change);
-  if (change != MountFinder::Change::kNone) estimate = impl_->calibrate_frame(*clean);
-  if (!impl_->plate && !estimate.lost()) impl_->start_plate({estimate});
+  if (change != MountFinder::Change::kNone) estimate = impl_->calibrate_frame(*clean, counts);
+  if (!impl_->plate && estimate.evidence == geometry::Evidence::kLines)
+    impl_->start_plate({estimate});
   impl_->learn_plate(*clean, estimate);
   if (++impl_->frames_since_plate >=
       static_cast<std::uint64_t>(impl_->options.plate_publish_frames)) {

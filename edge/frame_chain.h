@@ -12,6 +12,7 @@
 #include "edge/chain_setup.h"
 #include "edge/compensate/detail_estimator.h"
 #include "edge/encode/assemble.h"
+#include "edge/head_follower.h"
 #include "edge/key/key.h"
 #include "edge/mount_finder.h"
 #include "edge/plate/plate_builder.h"
@@ -37,6 +38,7 @@ struct ChainOptions {
       250;  // frames between two looks at which plate tiles changed; 1..100000
   compensate::DetailOptions detail;
   MountOptions mount;
+  HeadOptions head;
   plate::PlateOptions plate;
   key::KeyOptions key;
   encode::EncodeOptions encode;
@@ -57,6 +59,7 @@ struct ChainReport {
   std::uint64_t frames_in = 0;
   std::uint64_t frames_out = 0;
   std::uint64_t frames_lost = 0;      // without a camera estimate
+  std::uint64_t frames_by_head = 0;   // by the head's encoders alone
   std::uint64_t encode_failures = 0;  // frames or plate tiles that no codec took
   geometry::Evidence calibration = geometry::Evidence::kLost;  // of the latest frame
   state::DetailModel detail;
@@ -79,11 +82,12 @@ base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,
 class FrameChain {
  public:
   // `stills` are the survey stills of a head (empty where there are none). The mount is solved
-  // here. Slow work while running goes to the executor, which must outlive the chain; without one
-  // it is done at once.
+  // here. Slow work while running goes to the executor; without one it is done at once. `head` are
+  // its encoders, where it has some. Both must outlive the chain.
   static base::Result<FrameChain> make(const ChainSetup& setup, const ChainOptions& options,
                                        std::vector<image::Frame> stills,
-                                       runtime::Executor* executor = nullptr);
+                                       runtime::Executor* executor = nullptr,
+                                       head::HeadSource* head = nullptr);
   FrameChain(FrameChain&&) noexcept;
   FrameChain& operator=(FrameChain&&) noexcept;
   ~FrameChain();

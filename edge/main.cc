@@ -88,6 +88,8 @@ int run(const Arguments& arguments) {
                                      std::chrono::system_clock::now().time_since_epoch())
                                      .count());
   runtime::SteadyClock clock;
+  auto head = edge::open_head(*config, *recording->find(config->camera), clock);
+  if (!head) return failed(head.error());
   capture::RecordingSourceOptions source_options;
   const bool live = config->link.mode == wire::Mode::kLive;
   source_options.pace = config->pace.value_or(live ? capture::Pace::kReal : capture::Pace::kFast);
@@ -96,7 +98,7 @@ int run(const Arguments& arguments) {
   if (!source) return failed(source.error());
   (*service)->ready("running from a recording");
   auto report = edge::run_edge(*config, *setup, config->recording.string(), **source,
-                               std::move(stills), epoch, (*service)->stop_token());
+                               std::move(stills), head->get(), epoch, (*service)->stop_token());
   (*service)->stopping("");
   if (!report) return failed(report.error());
   if (arguments.json) {
@@ -105,6 +107,7 @@ int run(const Arguments& arguments) {
     out["frames_read"] = report->frames_read;
     out["frames_sent"] = report->frames_sent;
     out["frames_lost_track"] = report->chain.frames_lost;
+    out["frames_by_head"] = report->chain.frames_by_head;
     out["frames_dropped"] = report->frames_dropped;
     out["bytes_sent"] = report->bytes_sent;
     if (config->tracking.any()) {

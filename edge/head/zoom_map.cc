@@ -90,11 +90,22 @@ void ZoomMap::fit() {
   fitted_ = true;
 }
 
+ZoomMap::End ZoomMap::end(bool high) const {
+  constexpr std::size_t kLeast = 4;
+  if (map_.size() < kLeast) return {};
+  const std::size_t in = std::max(kLeast - 1, map_.size() / 4);
+  const Sample& last = high ? map_.back() : map_.front();
+  const Sample& inner = high ? map_[map_.size() - 1 - in] : map_[in];
+  return {(last.value - inner.value) / (last.count - inner.count),
+          std::abs(last.count - inner.count)};
+}
+
 double ZoomMap::at(double count) const {
   const auto above = std::lower_bound(map_.begin(), map_.end(), count,
                                       [](const Sample& s, double c) { return s.count < c; });
-  if (above == map_.begin()) return map_.front().value;
-  if (above == map_.end()) return map_.back().value;
+  if (above == map_.begin())
+    return map_.front().value + end(false).slope * (count - map_.front().count);
+  if (above == map_.end()) return map_.back().value + end(true).slope * (count - map_.back().count);
   const Sample& low = *(above - 1);
   const double t = (count - low.count) / (above->count - low.count);
   return (1 - t) * low.value + t * above->value;
@@ -113,15 +124,20 @@ std::string ZoomMap::why() const {
 
 std::optional<Predicted> ZoomMap::predict(double count) const {
   if (!why().empty()) return std::nullopt;
-  // Away from what was seen nothing but a slope that no lens exceeds is known; between two of them
-  // the value lies between theirs.
   const auto above = std::lower_bound(map_.begin(), map_.end(), count,
                                       [](const Sample& s, double c) { return s.count < c; });
+  // Beyond an end the ring goes on somehow as it did; where no slope is known, no lens exceeds
+  // that of the options. Between two counts the value lies between theirs.
+  const auto beyond = [&](bool high, double away) {
+    const End slope = end(high);
+    if (slope.reach <= 0) return options_.slope * away;
+    return away * (std::abs(slope.slope) / 2 + sd_ / slope.reach);
+  };
   double guess = 0;
   if (above == map_.begin()) {
-    guess = options_.slope * (map_.front().count - count);
+    guess = beyond(false, map_.front().count - count);
   } else if (above == map_.end()) {
-    guess = options_.slope * (count - map_.back().count);
+    guess = beyond(true, count - map_.back().count);
   } else {
     const Sample& low = *(above - 1);
     const double apart = std::min(count - low.count, above->count - count);

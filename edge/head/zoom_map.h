@@ -24,15 +24,22 @@ class ZoomMap {
   explicit ZoomMap(const ZoomOptions& options = {}) : options_(options) {}
 
   void learn(double count, double log_focal);
-  // The monotone map interpolated; its variance grows away from what was seen.
+  // The monotone map interpolated, and going on as it ends; its variance grows away from what was
+  // seen.
   std::optional<Predicted> predict(double count) const;
   std::string why() const;
 
   double sd() const { return sd_; }
 
  private:
+  // Slope of the map near an end, and how far into the map it was taken.
+  struct End {
+    double slope = 0;
+    double reach = 0;  // counts; 0 where too few are known
+  };
   void fit();
   double at(double count) const;
+  End end(bool high) const;
 
   ZoomOptions options_;
   Samples samples_;

@@ -37,6 +37,7 @@ TEST(EdgeConfig, TheFileForInstallersShowsTheDefaults) {
   EXPECT_EQ(shown->chain.encode.tile_margin_px, built_in.chain.encode.tile_margin_px);
   EXPECT_EQ(shown->chain.codec.tiles.quality, built_in.chain.codec.tiles.quality);
   EXPECT_EQ(shown->chain.plate_tiles.quality, built_in.chain.plate_tiles.quality);
+  EXPECT_FALSE(shown->head.has_value());
   EXPECT_EQ(shown->tracking.free_d_to, built_in.tracking.free_d_to);
   EXPECT_EQ(shown->tracking.open_track_io_to, built_in.tracking.open_track_io_to);
   EXPECT_EQ(shown->tracking.interface, built_in.tracking.interface);
@@ -45,6 +46,17 @@ TEST(EdgeConfig, TheFileForInstallersShowsTheDefaults) {
   EXPECT_EQ(shown->tracking.free_d_camera_id, built_in.tracking.free_d_camera_id);
   EXPECT_EQ(shown->tracking.source_number, built_in.tracking.source_number);
   EXPECT_EQ(shown->tracking.checksum, built_in.tracking.checksum);
+}
+
+TEST(EdgeConfig, AHeadThatSpeaksFreeDIsRead) {
+  const support::TempFolder folder;
+  const auto loaded =
+      load_edge_config(write(folder, "[head]\nfree_d_port = 40000\nfree_d_camera_id = 2\n"));
+  ASSERT_TRUE(loaded.has_value()) << base::to_string(loaded.error());
+  ASSERT_TRUE(loaded->head.has_value());
+  EXPECT_EQ(loaded->head->port, 40000);
+  EXPECT_EQ(loaded->head->camera_id, 2);
+  EXPECT_EQ(loaded->head->stale_s, head::FreeDReceiverOptions{}.stale_s);
 }
 
 TEST(EdgeConfig, ReceiversOfTrackingDataAreRead) {
