@@ -36,7 +36,7 @@ void AxisFit::learn(double count, double angle) {
   samples_.add(count, angle);
   if (fitted_ && has_slipped()) {
     ++slips_;
-    scale_known_ = slope_variance_ < 0.01 * slope_ * slope_;
+    scale_known_ = slope_variance_ < 1e-3 * slope_ * slope_;
     known_slope_ = slope_;
     samples_.keep_newest(kAfterSlip);
     fitted_ = false;
@@ -108,6 +108,10 @@ void AxisFit::fit() {
   }
   sd_ = std::max({options_.floor_sd, std::abs(slope_) / std::sqrt(12.0), std::sqrt(square / n)});
   slope_variance_ = sd_ * sd_ / (xx * std::min(1.0, kWorth / n) + weight);
+  if (span > 0) {
+    slope_variance_ += 2 * options_.bias_sd * options_.bias_sd / (span * span);
+    slope_variance_ = std::min(slope_variance_, believed_sd * believed_sd);
+  }
   inliers_ = n / static_cast<double>(all.size());
   fitted_ = true;
 }
@@ -127,8 +131,9 @@ std::string AxisFit::why() const {
 std::optional<Predicted> AxisFit::predict(double count) const {
   if (!why().empty()) return std::nullopt;
   const double away = count - middle_;
-  return Predicted{level_ + slope_ * away,
-                   sd_ * sd_ * (1 + 1 / kWorth) + away * away * slope_variance_};
+  return Predicted{level_ + slope_ * away, sd_ * sd_ * (1 + 1 / kWorth) +
+                                               options_.bias_sd * options_.bias_sd +
+                                               away * away * slope_variance_};
 }
 
 }  // namespace touchline::head

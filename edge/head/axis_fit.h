@@ -17,7 +17,10 @@ struct AxisOptions {
   int least_samples = 12;  // measured frames before anything is said; 6..1000
   double most_sd = 0.002;  // counts that scatter more than this about the line disagree; radians
   double floor_sd = 4e-5;  // of measured angles, radians
-  int most_slips = 3;      // an encoder that slips more often is not trusted; 0..1000
+  // What measured angles of neighbouring views err by together, which no number of them averages
+  // out: mount and lens are not known exactly; radians.
+  double bias_sd = 3e-4;
+  int most_slips = 3;  // an encoder that slips more often is not trusted; 0..1000
 };
 
 class AxisFit {

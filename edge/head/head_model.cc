@@ -27,6 +27,7 @@ base::Status HeadModelOptions::validate() const {
          {check(field("least_samples").c_str(), axis->least_samples, 6, 1000),
           check(field("most_sd").c_str(), axis->most_sd, 1e-6, 1),
           check(field("floor_sd").c_str(), axis->floor_sd, 1e-9, 1),
+          check(field("bias_sd").c_str(), axis->bias_sd, 0, 1),
           check(field("most_slips").c_str(), axis->most_slips, 0, 1000)}) {
       if (!status) return status;
     }

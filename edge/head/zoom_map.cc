@@ -131,7 +131,9 @@ std::optional<Predicted> ZoomMap::predict(double count) const {
   const auto beyond = [&](bool high, double away) {
     const End slope = end(high);
     if (slope.reach <= 0) return options_.slope * away;
-    return away * (std::abs(slope.slope) / 2 + sd_ / slope.reach);
+    // The farther the ring turns, against what was seen of it, the more its slope may change.
+    const double turned = away / (map_.back().count - map_.front().count);
+    return away * (std::abs(slope.slope) * std::min(0.5, 0.25 * turned) + sd_ / slope.reach);
   };
   double guess = 0;
   if (above == map_.begin()) {
