@@ -21,8 +21,11 @@ base::Status check(const char* field, double value, double least, double most) {
 }  // namespace
 
 base::Status HeadModelOptions::validate() const {
-  for (const auto& [name, axis] : {std::pair{"pan", &pan}, std::pair{"tilt", &tilt}}) {
-    const auto field = [&](const char* what) { return fmt::format("{}.{}", name, what); };
+  for (const bool is_pan : {true, false}) {
+    const AxisOptions* axis = is_pan ? &pan : &tilt;
+    const auto field = [&](const char* what) {
+      return fmt::format("{}.{}", is_pan ? "pan" : "tilt", what);
+    };
     for (const base::Status& status :
          {check(field("least_samples").c_str(), axis->least_samples, 6, 1000),
           check(field("most_sd").c_str(), axis->most_sd, 1e-6, 1),
