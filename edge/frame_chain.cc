@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -10,6 +11,8 @@
 
 namespace touchline::edge {
 namespace {
+
+constexpr double kPlateSdPx = 1;  // of a picture that the plate learns from, at 1080 lines
 
 enum Stage { kCompensate, kSurvey, kCalibrate, kPlate, kKey, kEncode };
 
@@ -133,10 +136,21 @@ struct FrameChain::Impl {
     geometry::CameraEstimate estimate = lost(frame);
     std::string why;
     if (calibrator) {
+<<<<<<< HEAD
       const geometry::Mount& mount = *finder->mount();
       head->observe(counts);
       if (calibrated_any && report.calibration != geometry::Evidence::kLines) {
         if (const auto prior = head->prior(mount)) calibrator->start_from(*prior);
+=======
+      // Held no longer than it takes: a version that nobody holds becomes the next one.
+      if (plate) calibrator->use_plate(plate->snapshot());
+      state::TrackResult tracked = calibrator->process(frame);
+      calibrator->use_plate(nullptr);
+      if (tracked.estimate.lost()) {
+        why = ": " + tracked.report.stopped_because;
+      } else {
+        estimate = std::move(tracked.estimate);
+>>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
       }
       state::TrackResult tracked = calibrator->process(frame);
       if (!tracked.estimate.lost()) {
@@ -168,9 +182,18 @@ struct FrameChain::Impl {
     plate.reset();
   }
 
+  // The plate learns from no camera that may have drifted: it would be found again in it.
   void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
+<<<<<<< HEAD
     // Encoders are not as sure as a plate must be.
     if (!plate || estimate.lost() || estimate.evidence == geometry::Evidence::kEncoder) return;
+=======
+    if (!plate || estimate.lost()) return;
+    const double turned = std::hypot(estimate.covariance(0, 0), estimate.covariance(1, 1));
+    if (estimate.evidence == geometry::Evidence::kPlate &&
+        std::sqrt(turned) * estimate.model.fx > kPlateSdPx * frame.height() / 1080.0)
+      return;
+>>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
     const StageTimer timer(stage(kPlate));
     plate->add(frame, estimate);
   }
@@ -329,11 +352,19 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
   impl_->follow_anew(impl_->finder->retry(clean));
+<<<<<<< HEAD
   geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean, counts);
   const bool by_head = estimate.evidence == geometry::Evidence::kEncoder;
   // The finder looks at lines: what the encoders say is nothing to it.
   const MountFinder::Change change =
       impl_->finder->follow(clean, by_head ? Impl::lost(*clean) : estimate);
+=======
+  geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
+  // A picture followed by its texture says nothing of the mount.
+  const bool by_lines = estimate.evidence == geometry::Evidence::kLines;
+  const MountFinder::Change change =
+      impl_->finder->follow(clean, by_lines ? estimate : Impl::lost(*clean));
+>>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
   impl_->follow_anew(change);
   if (change != MountFinder::Change::kNone) estimate = impl_->calibrate_frame(*clean, counts);
   if (!impl_->plate && estimate.evidence == geometry::Evidence::kLines)

@@ -237,7 +237,9 @@ void MountFinder::follow_held(std::span<const image::FramePtr> held) {
   for (int pass = 0; take_ && pass < kTakePasses; ++pass) {
     const auto calibrator = make_calibrator();
     for (const image::FramePtr& frame : held)
-      take_->add(*frame, calibrator->process(*frame).estimate);
+      if (const auto estimate = calibrator->process(*frame).estimate;
+          estimate.evidence == geometry::Evidence::kLines)
+        take_->add(*frame, estimate);
     auto result = take_->solve();
     if (!result) break;
     adopt(*result);

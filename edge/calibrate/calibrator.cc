@@ -14,9 +14,10 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr double kRetrySpread = 4;         // how many times wider the second attempt looks
-constexpr double kFixedRollSd = 0.02;      // degrees, of the roll a fixed camera was started with
-constexpr double kFoundFixedRollSd = 1.5;  // degrees, of a fixed camera found anew
+constexpr double kRetrySpread = 4;          // how many times wider the second attempt looks
+constexpr double kContradictedPeriods = 4;  // until a registration that lines contradict is checked
+constexpr double kFixedRollSd = 0.02;       // degrees, of the roll a fixed camera was started with
+constexpr double kFoundFixedRollSd = 1.5;   // degrees, of a fixed camera found anew
 
 constexpr std::array<int, 3> kPlaceIndex{0, 1, 3};  // pan, tilt, log f in the pose covariance
 
@@ -48,18 +49,22 @@ struct Calibrator::State {
       : options(std::move(given)),
         tracker(std::move(pitch), std::move(mount), options.track),
         initialiser(tracker.pitch(), tracker.mount(), options.initialise),
+        texture(tracker.mount(), options.texture),
         motion(make_motion(options)) {}
 
   CalibrateOptions options;
   LineTracker tracker;
   Initialiser initialiser;
+  PlateRegistration texture;
   HeadMotion motion;
-  bool known = false;                  // motion holds a pose worth predicting from
+  // What the last pose may be off by together with the views it was registered to.
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();
   Matrix9 by_mount = Matrix9::Zero();  // what the mount's errors add to the covariance
+  bool known = false;                  // motion holds a pose worth predicting from
   double roll = 0;                     // last known, radians in the head's frame
   double roll_sd = 0;                  // radians; 0 = the fit's own prior
   double time = 0;                     // of the last frame, seconds
-  double last_seen = 0;                // when lines last confirmed the pose
+  double last_seen = 0;                // when lines or texture last confirmed the pose
   double next_search = -1e300;
   double next_check = -1e300;
   bool first = true;
@@ -80,19 +85,21 @@ struct Calibrator::State {
                                                           options.initial_tilt_rate_deg * kRadians,
                                                           options.initial_log_focal_rate);
     motion.start({pose.pan, pose.tilt, std::log(pose.focal_px)}, spread, rate_sd);
+    drift.setZero();
     roll = pose.roll;
     known = true;
   }
 
-  // The camera that the motion predicts; `wider` scales its standard deviations.
-  geometry::CameraEstimate prediction(double wider) const {
+  // The camera that the motion predicts; `wider` scales its standard deviations, `beside` is
+  // what it may be off by beyond them.
+  geometry::CameraEstimate prediction(double wider, const Eigen::Matrix3d& beside) const {
     const geometry::Mount& mount = tracker.mount();
     const Eigen::Vector3d place = motion.place();
     const double focal = std::exp(place(2));
     geometry::CameraEstimate out;
     out.model = geometry::camera_model(mount, focal);
     out.cam_from_world = geometry::cam_from_world(mount, {place(0), place(1), roll, focal});
-    const Eigen::Matrix3d spread = wider * wider * motion.covariance();
+    const Eigen::Matrix3d spread = wider * wider * motion.covariance() + beside;
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)
         out.covariance(kPlaceIndex[static_cast<std::size_t>(i)],
@@ -102,13 +109,29 @@ struct Calibrator::State {
     return out;
   }
 
-  void accept(const PoseFit& fit) {
+  geometry::CameraEstimate prediction(double wider) const { return prediction(wider, drift); }
+
+  // A view stands on the mount as it is.
+  void learn(const image::Frame& frame, geometry::CameraEstimate camera,
+             const Matrix9& frame_covariance) {
+    camera.covariance = frame_covariance;
+    texture.learn(frame, camera);
+  }
+
+  void accept(const image::Frame& frame, const PoseFit& fit) {
     const geometry::CameraEstimate& estimate = fit.result.estimate;
     const geometry::HeadPose pose = head_pose(tracker.mount(), estimate);
+    const Eigen::Vector3d place(pose.pan, pose.tilt, std::log(pose.focal_px));
+    if (!drift.isZero(0)) {
+      Eigen::Vector3d off = place - motion.place();
+      off(0) = std::remainder(off(0), 2 * std::numbers::pi);
+      motion.shift(drift * (drift + motion.covariance()).ldlt().solve(off));
+      drift.setZero();
+    }
     // The next frame stands on the same mount: its errors are no news between frames.
-    motion.correct({pose.pan, pose.tilt, std::log(pose.focal_px)},
-                   place_covariance(fit.frame_covariance));
+    motion.correct(place, place_covariance(fit.frame_covariance));
     by_mount = estimate.covariance - fit.frame_covariance;
+    if (!options.fixed) learn(frame, estimate, fit.frame_covariance);
     roll = pose.roll;
     if (options.fixed) roll_sd = kFixedRollSd * kRadians;
     last_seen = time;
@@ -126,7 +149,79 @@ struct Calibrator::State {
     return true;
   }
 
-  // Tracks from the prediction; nothing when the lines do not follow it.
+  // True when the lines alone tell the picture badly.
+  bool weak(const PoseFit& fit) const {
+    const geometry::Mount& mount = tracker.mount();
+    const double focal = fit.result.estimate.model.fx;
+    const double corner = 0.5 * std::hypot(mount.width, mount.height);
+    return std::max({focal * fit.lines_sd_pan, focal * fit.lines_sd_tilt,
+                     corner * fit.lines_sd_log_focal}) > options.weak_lines_px * scale();
+  }
+
+  // True when lines that do not tell the camera by themselves agree with what was known of it.
+  bool helps(const PoseFit& fit) const {
+    return fit.result.report.points >= options.least_helping_points &&
+           fit.confirmation.confirmed_px >= options.least_helping_px * scale() &&
+           fit.confirmation.share() >= options.track.least_confirmed &&
+           fit.result.report.rms_px <= options.track.most_rms_px * scale();
+  }
+
+  // Where a camera was started points so surely that its picture can be followed from there.
+  void learn_first(const image::Frame& frame, const PoseFit& fit) {
+    geometry::CameraEstimate begin = prediction(1);
+    const double sd =
+        begin.model.fx * std::sqrt(std::max(begin.covariance(0, 0), begin.covariance(1, 1)));
+    if (sd > options.weak_lines_px * scale()) return;
+    if (helps(fit)) {
+      begin = fit.result.estimate;
+      begin.covariance = fit.frame_covariance;
+    }
+    begin.evidence = geometry::Evidence::kPlate;
+    texture.learn(frame, begin);
+  }
+
+  // Registers the picture to what stands still in it, and its few lines with it.
+  std::optional<state::TrackResult> by_texture(const image::Frame& frame, std::string& reason) {
+    const Registration found = texture.track(frame, prediction(1, Eigen::Matrix3d::Zero()));
+    reason = found.result.report.stopped_because;
+    if (found.lost()) return std::nullopt;
+    return stand_on(frame, found);
+  }
+
+  state::TrackResult stand_on(const image::Frame& frame, const Registration& found) {
+    geometry::CameraEstimate near = found.result.estimate;
+    // The views share an error of roll that their patches do not tell. Few lines would be made to
+    // fit by turning the head instead.
+    const double roll_floor = options.texture.roll_sd_deg * kRadians;
+    near.covariance(2, 2) = std::max(near.covariance(2, 2), roll_floor * roll_floor);
+    PoseFit fit = tracker.track_in_detail(frame, near);
+    if (!fit.result.estimate.lost() && !weak(fit)) {
+      accept(frame, fit);
+      return fit.result;
+    }
+    state::TrackResult result = found.result;
+    Matrix9 of_frame = result.estimate.covariance;
+    result.estimate.covariance += by_mount;
+    if (helps(fit)) {
+      result = fit.result;
+      of_frame = fit.frame_covariance;
+      result.estimate.evidence = geometry::Evidence::kPlate;
+      result.report.stopped_because = "converged: texture and lines";
+    }
+    Matrix9 by_views = Matrix9::Zero();
+    by_views.topLeftCorner<4, 4>() = found.views_covariance;
+    drift = place_covariance(by_views);
+    const geometry::HeadPose pose = head_pose(tracker.mount(), result.estimate);
+    motion.correct({pose.pan, pose.tilt, std::log(pose.focal_px)},
+                   place_covariance(found.result.estimate.covariance) - drift);
+    learn(frame, result.estimate, of_frame);
+    roll = pose.roll;
+    last_seen = time;
+    known = true;
+    return result;
+  }
+
+  // Tracks from the prediction; nothing when neither lines nor texture follow it.
   std::optional<state::TrackResult> follow(const image::Frame& frame, std::string& reason) {
     PoseFit fit = tracker.track_in_detail(frame, prediction(1));
     if (fit.result.estimate.lost() && options.fixed && stands(fit)) {
@@ -137,8 +232,17 @@ struct Calibrator::State {
       held.report.stopped_because = "held: " + fit.result.report.stopped_because;
       return held;
     }
-    if (fit.result.estimate.lost()) fit = tracker.track_in_detail(frame, prediction(kRetrySpread));
-    reason = fit.result.report.stopped_because;
+    std::string by_lines = fit.result.report.stopped_because;
+    if (!options.fixed && (fit.result.estimate.lost() || weak(fit))) {
+      if (texture.views() == 0) learn_first(frame, fit);
+      if (auto result = by_texture(frame, reason)) return checked(frame, *std::move(result));
+      by_lines += "; " + reason;
+    }
+    if (fit.result.estimate.lost()) {
+      fit = tracker.track_in_detail(frame, prediction(kRetrySpread));
+      by_lines = fit.result.report.stopped_because + "; " + reason;
+    }
+    reason = by_lines;
     if (fit.result.estimate.lost()) return std::nullopt;
     if (time >= next_check) {
       next_check = time + options.check_period_s;
@@ -147,8 +251,39 @@ struct Calibrator::State {
         return std::nullopt;
       }
     }
-    accept(fit);
+    accept(frame, fit);
     return fit.result;
+  }
+
+  // A registration whose picture shows lines elsewhere gives way to a camera that explains them.
+  state::TrackResult checked(const image::Frame& frame, state::TrackResult result) {
+    if (time < next_check) return result;
+    next_check = time + options.check_period_s;
+    std::string reason;
+    if (!contradicted(detect_lines(frame, options.line_map), result.estimate, reason))
+      return result;
+    next_check = time + kContradictedPeriods * options.check_period_s;
+    const Kept kept = keep();
+    if (auto other = by_lines_anew(frame, reason)) return *std::move(other);
+    put_back(kept);
+    return result;
+  }
+
+  // What a search in vain must leave as it was.
+  struct Kept {
+    HeadMotion motion;
+    Eigen::Matrix3d drift;
+    bool known;
+    double roll;
+    double roll_sd;
+  };
+  Kept keep() const { return {motion, drift, known, roll, roll_sd}; }
+  void put_back(const Kept& kept) {
+    motion = kept.motion;
+    drift = kept.drift;
+    known = kept.known;
+    roll = kept.roll;
+    roll_sd = kept.roll_sd;
   }
 
   // True when a fixed camera's lines are merely hidden: nothing speaks against its pose.
@@ -158,7 +293,7 @@ struct Calibrator::State {
            c.share() >= options.track.least_confirmed;
   }
 
-  std::optional<state::TrackResult> search(const image::Frame& frame, std::string& reason) {
+  std::optional<state::TrackResult> by_lines_anew(const image::Frame& frame, std::string& reason) {
     const LineMap map = detect_lines(frame, options.line_map);
     InitialiseReport report;
     const auto found = initialiser.find(map, report);
@@ -175,9 +310,22 @@ struct Calibrator::State {
     reason = fit.result.report.stopped_because;
     if (fit.result.estimate.lost()) return std::nullopt;
     if (contradicted(map, fit.result.estimate, reason)) return std::nullopt;
-    accept(fit);
+    accept(frame, fit);
     next_check = time + options.check_period_s;
     return fit.result;
+  }
+
+  // The camera of a frame of which nothing is known.
+  std::optional<state::TrackResult> search(const image::Frame& frame, std::string& reason) {
+    const Kept kept = keep();
+    if (auto result = by_lines_anew(frame, reason)) return result;
+    put_back(kept);
+    if (options.fixed) return std::nullopt;
+    const Registration found = texture.recover(frame);
+    reason += "; " + found.result.report.stopped_because;
+    if (found.lost()) return std::nullopt;
+    start(found.result.estimate);
+    return stand_on(frame, found);
   }
 };
 
@@ -185,11 +333,12 @@ base::Status CalibrateOptions::validate() const {
   if (const auto status = track.validate(); !status) return status;
   if (const auto status = line_map.validate(); !status) return status;
   if (const auto status = initialise.validate(); !status) return status;
+  if (const auto status = texture.validate(); !status) return status;
   const auto bad = [](const char* field, double value, const char* bound) {
     return base::fail(base::ErrorKind::kConfiguration, fmt::format("CalibrateOptions.{}", field),
                       fmt::format("{} is not {}", value, bound));
   };
-  const std::array<std::pair<const char*, double>, 10> positive{
+  const std::array<std::pair<const char*, double>, 12> positive{
       {{"pan_acceleration_deg", pan_acceleration_deg},
        {"tilt_acceleration_deg", tilt_acceleration_deg},
        {"log_focal_acceleration", log_focal_acceleration},
@@ -199,7 +348,9 @@ base::Status CalibrateOptions::validate() const {
        {"initial_pan_rate_deg", initial_pan_rate_deg},
        {"initial_tilt_rate_deg", initial_tilt_rate_deg},
        {"initial_log_focal_rate", initial_log_focal_rate},
-       {"explain_px", explain_px}}};
+       {"explain_px", explain_px},
+       {"weak_lines_px", weak_lines_px},
+       {"least_helping_px", least_helping_px}}};
   for (const auto& [field, value] : positive)
     if (!(value > 0)) return bad(field, value, "above 0");
   if (!(fixed_drift_deg >= 0)) return bad("fixed_drift_deg", fixed_drift_deg, "at least 0");
@@ -210,6 +361,8 @@ base::Status CalibrateOptions::validate() const {
     return bad("least_explained", least_explained, "in [0, 1]");
   if (least_explain_points < 1)
     return bad("least_explain_points", least_explain_points, "at least 1");
+  if (least_helping_points < 3)
+    return bad("least_helping_points", least_helping_points, "at least 3");
   return {};
 }
 
@@ -224,6 +377,10 @@ void Calibrator::start_from(const geometry::CameraEstimate& initial) {
   s.start(initial);
   s.roll_sd = s.options.fixed ? kFixedRollSd * kRadians : 0;
   s.last_seen = s.time;
+}
+
+void Calibrator::use_plate(std::shared_ptr<const image::PlateSnapshot> plate) {
+  if (!state_->options.fixed) state_->texture.use_plate(std::move(plate));
 }
 
 state::TrackResult Calibrator::process(const image::Frame& frame) {
@@ -251,15 +408,7 @@ state::TrackResult Calibrator::process(const image::Frame& frame) {
   }
   if (s.known) lost.estimate = s.prediction(1);
   if (now >= s.next_search) {
-    const HeadMotion before = s.motion;
-    const bool was_known = s.known;
-    const double roll = s.roll;
-    const double roll_sd = s.roll_sd;
     if (auto result = s.search(frame, reason)) return *std::move(result);
-    s.motion = before;
-    s.known = was_known;
-    s.roll = roll;
-    s.roll_sd = roll_sd;
     s.next_search = now + s.options.search_period_s;
   }
   lost.estimate.model.width = mount.width;

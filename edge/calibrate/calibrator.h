@@ -1,5 +1,6 @@
 // The calibration of one camera over time: predict by the head's motion, track the lines; where
-// that fails find the camera anew from the whole picture, track from there, or say lost.
+// they are too few, register the picture to what stands still in it, lines and texture together;
+// where that fails find the camera anew from the whole picture, track from there, or say lost.
 #pragma once
 
 #include <memory>
@@ -8,6 +9,7 @@
 #include "edge/calibrate/hough_initialiser.h"
 #include "edge/calibrate/line_map.h"
 #include "edge/calibrate/line_tracker.h"
+#include "edge/calibrate/plate_registration.h"
 #include "edge/state/track_result.h"
 #include "shared/base/result.h"
 #include "shared/base/time.h"
@@ -21,6 +23,7 @@ struct CalibrateOptions {
   TrackOptions track;
   LineMapOptions line_map;
   InitialiseOptions initialise;
+  RegistrationOptions texture;  // of a camera that moves
   // True for a camera that does not move: its pose is averaged over time, and stands where people
   // hide the lines.
   bool fixed = false;
@@ -42,6 +45,11 @@ struct CalibrateOptions {
   double least_explained = 0.6;   // share of the white ridges on the pitch that lie on markings
   double explain_px = 6;          // how near is on, pixels at 1080 lines
   int least_explain_points = 60;  // ridge points without which nothing is said
+  // Lines that tell the picture worse than this by themselves are helped by its texture;
+  // standard deviation in pixels at 1080 lines.
+  double weak_lines_px = 2;
+  int least_helping_points = 8;  // line points that help a registration by texture
+  double least_helping_px = 60;  // length of line that does, pixels at 1080 lines
 
   base::Status validate() const;
 };
@@ -58,7 +66,12 @@ class Calibrator {
   // its covariance is zero, the initialiser's is taken. A fixed camera keeps the roll given here.
   void start_from(const geometry::CameraEstimate& initial);
 
-  // Frames in the order of their time stamps. A lost frame has evidence kLost and a reason.
+  // What the head's spherical plate shows from here on; null: there is none. A camera that moves
+  // is registered to it where lines are few.
+  void use_plate(std::shared_ptr<const image::PlateSnapshot> plate);
+
+  // Frames in the order of their time stamps. A lost frame has evidence kLost and a reason; one
+  // whose lines alone do not tell its camera, kPlate.
   state::TrackResult process(const image::Frame& frame);
 
  private:

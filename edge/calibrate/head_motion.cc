@@ -8,6 +8,8 @@ namespace touchline::calibrate {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+constexpr double kLasts_s = 0.04;  // of an acceleration
+
 HeadMotion::HeadMotion(const Eigen::Vector3d& acceleration_sd, const Eigen::Vector3d& drift_sd)
     : acceleration_sd_(acceleration_sd), drift_sd_(drift_sd) {}
 
@@ -26,12 +28,14 @@ void HeadMotion::advance(double seconds) {
   step.topRightCorner<3, 3>() = seconds * Eigen::Matrix3d::Identity();
   state_ = step * state_;
   covariance_ = step * covariance_ * step.transpose();
-  const Eigen::Vector3d q = acceleration_sd_.cwiseAbs2();
+  // White noise of acceleration over continuous time: one that stood still over each frame would
+  // make the rate ring from frame to frame where places are measured well.
+  const Eigen::Vector3d q = kLasts_s * acceleration_sd_.cwiseAbs2();
   const double t2 = seconds * seconds;
-  covariance_.topLeftCorner<3, 3>() += (t2 * t2 / 4 * q).asDiagonal();
-  covariance_.topRightCorner<3, 3>() += (t2 * seconds / 2 * q).asDiagonal();
-  covariance_.bottomLeftCorner<3, 3>() += (t2 * seconds / 2 * q).asDiagonal();
-  covariance_.bottomRightCorner<3, 3>() += (t2 * q).asDiagonal();
+  covariance_.topLeftCorner<3, 3>() += (t2 * seconds / 3 * q).asDiagonal();
+  covariance_.topRightCorner<3, 3>() += (t2 / 2 * q).asDiagonal();
+  covariance_.bottomLeftCorner<3, 3>() += (t2 / 2 * q).asDiagonal();
+  covariance_.bottomRightCorner<3, 3>() += (seconds * q).asDiagonal();
   covariance_.topLeftCorner<3, 3>() += (seconds * drift_sd_.cwiseAbs2()).asDiagonal();
 }
 
