@@ -129,33 +129,27 @@ struct FrameChain::Impl {
     return estimate;
   }
 
-  // By the lines; else by the head's encoders, which start the lines anew where those were lost.
+  // By lines and texture; else by the head's encoders, which start the lines anew where those were
+  // lost.
   geometry::CameraEstimate calibrate_frame(const image::Frame& frame,
                                            const std::optional<head::HeadCounts>& counts) {
     const StageTimer timer(stage(kCalibrate));
     geometry::CameraEstimate estimate = lost(frame);
     std::string why;
     if (calibrator) {
-<<<<<<< HEAD
       const geometry::Mount& mount = *finder->mount();
       head->observe(counts);
-      if (calibrated_any && report.calibration != geometry::Evidence::kLines) {
+      if (calibrated_any && report.calibration != geometry::Evidence::kLines &&
+          report.calibration != geometry::Evidence::kPlate) {
         if (const auto prior = head->prior(mount)) calibrator->start_from(*prior);
-=======
+      }
       // Held no longer than it takes: a version that nobody holds becomes the next one.
       if (plate) calibrator->use_plate(plate->snapshot());
       state::TrackResult tracked = calibrator->process(frame);
       calibrator->use_plate(nullptr);
-      if (tracked.estimate.lost()) {
-        why = ": " + tracked.report.stopped_because;
-      } else {
-        estimate = std::move(tracked.estimate);
->>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
-      }
-      state::TrackResult tracked = calibrator->process(frame);
       if (!tracked.estimate.lost()) {
         estimate = std::move(tracked.estimate);
-        head->learn(mount, estimate);
+        if (estimate.evidence == geometry::Evidence::kLines) head->learn(mount, estimate);
       } else {
         why = ": " + tracked.report.stopped_because;
         if (auto by_head = head->estimate(mount)) estimate = std::move(*by_head);
@@ -184,16 +178,12 @@ struct FrameChain::Impl {
 
   // The plate learns from no camera that may have drifted: it would be found again in it.
   void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
-<<<<<<< HEAD
     // Encoders are not as sure as a plate must be.
     if (!plate || estimate.lost() || estimate.evidence == geometry::Evidence::kEncoder) return;
-=======
-    if (!plate || estimate.lost()) return;
     const double turned = std::hypot(estimate.covariance(0, 0), estimate.covariance(1, 1));
     if (estimate.evidence == geometry::Evidence::kPlate &&
         std::sqrt(turned) * estimate.model.fx > kPlateSdPx * frame.height() / 1080.0)
       return;
->>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
     const StageTimer timer(stage(kPlate));
     plate->add(frame, estimate);
   }
@@ -352,19 +342,11 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
   impl_->follow_anew(impl_->finder->retry(clean));
-<<<<<<< HEAD
   geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean, counts);
-  const bool by_head = estimate.evidence == geometry::Evidence::kEncoder;
-  // The finder looks at lines: what the encoders say is nothing to it.
-  const MountFinder::Change change =
-      impl_->finder->follow(clean, by_head ? Impl::lost(*clean) : estimate);
-=======
-  geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean);
-  // A picture followed by its texture says nothing of the mount.
+  // The finder looks at lines: what encoders or texture say is nothing to it.
   const bool by_lines = estimate.evidence == geometry::Evidence::kLines;
   const MountFinder::Change change =
       impl_->finder->follow(clean, by_lines ? estimate : Impl::lost(*clean));
->>>>>>> 86220eb (Calibration without lines: a head whose lines are too few is registered to its plate and to what stands still in its views)
   impl_->follow_anew(change);
   if (change != MountFinder::Change::kNone) estimate = impl_->calibrate_frame(*clean, counts);
   if (!impl_->plate && estimate.evidence == geometry::Evidence::kLines)
