@@ -254,6 +254,11 @@ void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile
   for (std::size_t c = 0; c < 3; ++c)
     deviation[c] = static_cast<std::uint16_t>(
         16 * std::max(2.0 * fit.rms()[c], (c == 0 ? 2 : 1) * options.noise_codes));
+  // Boards behind a goal may have changed since.
+  const double all =
+      Eigen::Vector3d(fit.rms()[0], fit.rms()[1], fit.rms()[2]).norm() / std::sqrt(3.0);
+  const auto of_goal =
+      static_cast<std::uint16_t>(16 * std::max({12.0, 2.0 * all, 2 * options.noise_codes}));
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const std::uint32_t seed = t.seed[tile_index(x, y)];
@@ -269,7 +274,7 @@ void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile
         continue;
       for (std::size_t c = 0; c < 3; ++c) {
         tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);
-        tile.deviation[c](x, y) = deviation[c];
+        tile.deviation[c](x, y) = goal ? of_goal : deviation[c];
       }
       tile.count(x, y) = 1;
     }
