@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "edge/calibrate/cold_circle_internal.h"
 #include "edge/calibrate/pose_score_internal.h"
@@ -20,7 +21,10 @@ constexpr double kConvincing = 0.85;            // score that ends the search
 constexpr int kCentreLines = 6;                 // that are tried for the halfway line
 constexpr double kCentreSlope = 0.02;           // sine between a touchline and its hypothesis
 constexpr std::size_t kCirclePoints = 240;      // that the circle is looked for in
-constexpr int kScored = 400;                    // proposals kept for a closer look
+constexpr std::size_t kScored = 300;            // proposals that are looked at closer
+constexpr double kCellPlace = 2.5;              // metres: places that differ by less are one
+constexpr double kCellLog = 0.08;               // the same, of log height and log focal length
+constexpr double kCellTurn = 0.02;              // the same, of the optical axis
 
 // All straight markings that lie on one line of the pitch, along X or along Y.
 struct PencilLine {
@@ -57,6 +61,8 @@ std::vector<PencilLine> pencil(const pitch::PitchModel& pitch, int axis) {
   }
   return lines;
 }
+
+using PlaceKey = std::array<int, 6>;
 
 struct Proposal {
   Pose pose;
@@ -101,14 +107,14 @@ class Search {
     if (!found.empty() && found.front().score >= kConvincing) return found;
     // The middle of the pitch shows a touchline, the halfway line and the circle: too few lines,
     // but the circle tells the scale.
-    proposals_.clear();
+    places_.clear();
     const std::size_t count = std::min<std::size_t>(lines_.size(), kCentreLines);
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t j = 0; j < count; ++j)
         if (i != j) try_centre(lines_[i], lines_[j]);
     for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
     // Or no more than the halfway line and the circle.
-    proposals_.clear();
+    places_.clear();
     for (std::size_t i = 0; i < count; ++i) try_circle(lines_[i]);
     for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
     std::stable_sort(
@@ -310,14 +316,14 @@ class Search {
     const PoseScore score = score_fast(map_, coarse_, proposal.pose, 16 * scale_);
     proposal.score = score.score();
     if (proposal.score < 0.15) return;
-    if (proposals_.size() >= kScored && proposal.score <= proposals_.front().score) return;
-    const auto worse = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
-    proposals_.push_back(proposal);
-    std::push_heap(proposals_.begin(), proposals_.end(), worse);
-    if (proposals_.size() > kScored) {
-      std::pop_heap(proposals_.begin(), proposals_.end(), worse);
-      proposals_.pop_back();
-    }
+    const auto cell = [](double value, double size) {
+      return static_cast<int>(std::lround(value / size));
+    };
+    const PlaceKey key{cell(position.x(), kCellPlace),         cell(position.y(), kCellPlace),
+                       cell(std::log(position.z()), kCellLog), cell(std::log(focal), kCellLog),
+                       cell(rotation(2, 0), kCellTurn),        cell(rotation(2, 1), kCellTurn)};
+    Proposal& best = places_[key];
+    if (proposal.score > best.score) best = proposal;
   }
 
   static bool between(const CentredLine& line, const Eigen::Vector2d& p) {
@@ -331,16 +337,36 @@ class Search {
            std::abs(std::log(a.model.fx / b.model.fx)) < 0.03 && picture_distance(a, b) < 40;
   }
 
-  std::vector<ColdHypothesis> finish() {
-    std::stable_sort(proposals_.begin(), proposals_.end(),
-                     [](const Proposal& a, const Proposal& b) { return a.score > b.score; });
+  // The proposals that are refined to the end: a short refinement puts them in order, and those
+  // whose lines are of the wrong width are left out.
+  std::vector<Proposal> choose(const RefineOptions& refine_options) const {
+    std::vector<Proposal> proposals;
+    for (const auto& [key, proposal] : places_) proposals.push_back(proposal);
+    const auto better = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
+    std::stable_sort(proposals.begin(), proposals.end(), better);
+    if (proposals.size() > kScored) proposals.resize(kScored);
+    RefineOptions first = refine_options;
+    first.tolerances_px = refine_options.tolerances_px.first(4);
+    std::vector<Proposal> refined;
+    for (Proposal& proposal : proposals) {
+      if (!refine(map_, coarse_, first, proposal.pose)) continue;
+      if (!plausible(proposal.pose.position, side_, pitch_, options_.bounds)) continue;
+      if (!widths_agree(map_, coarse_, proposal.pose, 12 * scale_)) continue;
+      proposal.score = score_fast(map_, coarse_, proposal.pose, 12 * scale_).score();
+      refined.push_back(proposal);
+    }
+    std::stable_sort(refined.begin(), refined.end(), better);
     std::vector<Proposal> chosen;
-    for (const Proposal& proposal : proposals_) {
+    for (const Proposal& proposal : refined) {
       if (static_cast<int>(chosen.size()) >= options_.refined) break;
       if (std::none_of(chosen.begin(), chosen.end(),
                        [&](const Proposal& other) { return same(other.pose, proposal.pose); }))
         chosen.push_back(proposal);
     }
+    return chosen;
+  }
+
+  std::vector<ColdHypothesis> finish() {
     std::vector<ColdHypothesis> found;
     std::vector<Pose> poses;
     const std::array<double, 12> tolerances{24, 24, 20, 16, 14, 12, 10, 8, 6, 5, 4, 4};
@@ -352,12 +378,13 @@ class Search {
     refine_options.shift_sigma = 0.02;
     refine_options.roll_sigma = 0.5 * options_.most_roll_deg * kPi / 180;
     refine_options.tolerances_px = scaled;
+    const std::vector<Proposal> chosen = choose(refine_options);
     struct Candidate {
       Pose pose;
       PoseScore score;
     };
     std::vector<Candidate> candidates;
-    for (Proposal& proposal : chosen) {
+    for (const Proposal& proposal : chosen) {
       Pose pose = proposal.pose;
       if (!refine(map_, coarse_, refine_options, pose)) continue;
       if (!plausible(pose.position, side_, pitch_, options_.bounds)) continue;
@@ -366,6 +393,7 @@ class Search {
         continue;
       const double roll = geometry::pan_tilt_roll(Eigen::Quaterniond(pose.rotation)).z();
       if (std::abs(roll) > options_.most_roll_deg * kPi / 180) continue;
+      if (!widths_agree(map_, coarse_, pose, 5 * scale_)) continue;
       candidates.push_back({pose, score_exact(map_, fine_, pitch_, pose, 5 * scale_, 1200)});
     }
     std::stable_sort(
@@ -403,7 +431,7 @@ class Search {
   Eigen::Vector2d centre_;
   std::array<std::vector<PencilLine>, 2> pencils_;
   std::vector<CentredLine> lines_;
-  std::vector<Proposal> proposals_;  // heap, the worst in front
+  std::map<PlaceKey, Proposal> places_;  // the best of each place and view
 };
 
 }  // namespace

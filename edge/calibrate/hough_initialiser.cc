@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "edge/calibrate/pose_score_internal.h"
@@ -14,12 +15,17 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kPictureLines = 9;     // strongest Hough lines that are tried
-constexpr int kKept = 600;           // proposals kept for refinement
+constexpr int kPictureLines = 9;        // strongest Hough lines that are tried
+constexpr double kLeastProposed = 0.2;  // score of a proposal
+constexpr double kCellPx = 1.7;         // places that differ by less are one, in tolerances
+constexpr double kCellFocal = 0.07;     // the same, of log focal
+constexpr int kPolished = 4;            // times as many proposals are looked at as are refined
 constexpr double kSlideFocal = 1.2;  // picture widths of focal length for one slide to either side
 constexpr int kMostSlides = 4;
-constexpr double kArcStepDeg = 12;  // between tangents of an arc
-constexpr double kDistinctPx = 60;  // two poses are distinct beyond this, at 1080 lines
+constexpr double kArcStepDeg = 12;        // between tangents of an arc
+constexpr double kBeyondConflict = 0.94;  // score of a pose that whole lines may speak against
+constexpr double kSamePx = 4;             // two poses are one within this, at 1080 lines
+constexpr double kDistinctPx = 60;        // two poses are distinct beyond this, at 1080 lines
 
 // A straight marking, or a tangent of an arc over the part where the arc is nearly straight.
 struct ModelLine {
@@ -31,6 +37,10 @@ struct Proposal {
   double pan = 0, tilt = 0, focal = 0;
   double score = 0;
 };
+
+// The best proposal of each place: pan, tilt and log focal in cells.
+using PlaceKey = std::array<int, 3>;
+using Proposals = std::map<PlaceKey, Proposal>;
 
 std::vector<ModelLine> model_lines(const pitch::PitchModel& pitch, const geometry::Mount& mount) {
   std::vector<ModelLine> lines;
@@ -76,16 +86,37 @@ bool within_span(const Eigen::Vector3d& direction, const ModelLine& line, double
   return angle > -slack && angle < span + slack;
 }
 
-// The second hypothesis is either far behind, or leaves several times more line unexplained or
-// unconfirmed than a nearly perfect first one.
-bool clearly_worse(const InitialiseReport& report, const LineMap& map, double scale,
-                   const InitialiseOptions& options) {
-  if (report.second <= report.score * (1 - options.least_margin)) return true;
-  constexpr double kTimes = 4;
-  constexpr double kLeastLinePx = 80;
-  const double behind = report.score - report.second;
-  return 1 - report.second >= kTimes * (1 - report.score) + 0.02 &&
-         behind * static_cast<double>(map.points.size()) >= kLeastLinePx * scale;
+// The strongest lines; those along a direction that others have count less: many lines one way
+// leave open where the picture lies along them.
+std::vector<const LineHypothesis*> lines_to_try(const LineMap& map) {
+  constexpr double kSimilarSine = 0.15;
+  std::vector<const LineHypothesis*> chosen;
+  std::vector<bool> used(map.lines.size(), false);
+  while (chosen.size() < std::min(map.lines.size(), static_cast<std::size_t>(kPictureLines))) {
+    double most = -1;
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < map.lines.size(); ++i) {
+      if (used[i]) continue;
+      const Eigen::Vector2d& n = map.lines[i].normal;
+      const auto similar =
+          std::count_if(chosen.begin(), chosen.end(), [&](const LineHypothesis* other) {
+            return std::abs(n.x() * other->normal.y() - n.y() * other->normal.x()) < kSimilarSine;
+          });
+      const double weight = map.lines[i].points / (1.0 + 0.7 * static_cast<double>(similar));
+      if (weight <= most) continue;
+      most = weight;
+      best = i;
+    }
+    used[best] = true;
+    chosen.push_back(&map.lines[best]);
+  }
+  return chosen;
+}
+
+// Pixels of line by which less must speak against the best than against any distinct other.
+double needed_lead(const LineMap& map, double scale, const InitialiseOptions& options) {
+  constexpr double kShare = 0.02;  // of the ridge points: clutter misleads by some of it
+  return std::max(options.least_lead_px * scale, kShare * static_cast<double>(map.points.size()));
 }
 
 }  // namespace
@@ -110,14 +141,14 @@ struct Initialiser::State {
   }
   std::vector<Proposal> propose(const LineMap& map, int& tried) const;
   void propose_line(const LineMap& map, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                    double focal, double tolerance, std::vector<Proposal>& kept, int& tried) const;
+                    double focal, double tolerance, Proposals& kept, int& tried) const;
 };
 
 // Poses without roll that put a model line on the picture line between the directions `from` and
 // `to` (in the camera's frame), for one focal length.
 void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d& from,
                                       const Eigen::Vector3d& to, double focal, double tolerance,
-                                      std::vector<Proposal>& kept, int& tried) const {
+                                      Proposals& kept, int& tried) const {
   const Eigen::Vector3d n = from.cross(to).normalized();
   // The longer the lens, the farther a small error of roll puts the picture along the line.
   const int slides =
@@ -126,7 +157,6 @@ void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d&
   // One step along the picture line, pixels.
   const Eigen::Vector2d along = to.head<2>() - from.head<2>();
   const Eigen::Vector2d slide = 1.3 * tolerance * along.normalized();
-  const auto worse = [](const Proposal& a, const Proposal& b) { return a.score > b.score; };
   for (const ModelLine& line : lines) {
     const Eigen::Vector3d& m = line.normal_in_head;
     const double level = m.head<2>().norm();
@@ -154,13 +184,13 @@ void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d&
           const double slid_tilt = tilt + step * slide.y() / focal;
           const Pose candidate = pose(slid_pan, slid_tilt, focal);
           const double score = score_fast(map, sparse, candidate, tolerance).score();
-          if (score < 0.2 || (kept.size() >= kKept && score <= kept.front().score)) continue;
-          kept.push_back({slid_pan, slid_tilt, focal, score});
-          std::push_heap(kept.begin(), kept.end(), worse);
-          if (kept.size() > kKept) {
-            std::pop_heap(kept.begin(), kept.end(), worse);
-            kept.pop_back();
-          }
+          if (score < kLeastProposed) continue;
+          const double cell = kCellPx * tolerance / focal;
+          const PlaceKey key{static_cast<int>(std::lround(slid_pan * std::cos(slid_tilt) / cell)),
+                             static_cast<int>(std::lround(slid_tilt / cell)),
+                             static_cast<int>(std::lround(std::log(focal) / kCellFocal))};
+          Proposal& best = kept[key];
+          if (score > best.score) best = {slid_pan, slid_tilt, focal, score};
         }
       }
     }
@@ -168,22 +198,22 @@ void Initialiser::State::propose_line(const LineMap& map, const Eigen::Vector3d&
 }
 
 std::vector<Proposal> Initialiser::State::propose(const LineMap& map, int& tried) const {
-  std::vector<Proposal> kept;
+  Proposals places;
   const double scale = std::max(map.height / 1080.0, 0.4);
   const double least = std::log(options.least_focal * map.width);
   const double most = std::log(options.most_focal * map.width);
   const int steps = std::max(1, static_cast<int>(std::ceil((most - least) / options.focal_step)));
-  // The strongest lines; of a curve's many short ones no more than fit in the list.
-  const std::size_t count = std::min(map.lines.size(), static_cast<std::size_t>(kPictureLines));
+  const std::vector<const LineHypothesis*> tried_lines = lines_to_try(map);
   for (int s = 0; s <= steps; ++s) {
     const double focal = std::exp(least + (most - least) * s / steps);
     const geometry::CameraModel model = geometry::camera_model(mount, focal);
-    for (std::size_t i = 0; i < count; ++i) {
-      const LineHypothesis& line = map.lines[i];
-      propose_line(map, model.unproject(line.start), model.unproject(line.end), focal, 24 * scale,
-                   kept, tried);
-    }
+    for (const LineHypothesis* line : tried_lines)
+      propose_line(map, model.unproject(line->start), model.unproject(line->end), focal, 24 * scale,
+                   places, tried);
   }
+  std::vector<Proposal> kept;
+  kept.reserve(places.size());
+  for (const auto& [key, proposal] : places) kept.push_back(proposal);
   std::stable_sort(kept.begin(), kept.end(),
                    [](const Proposal& a, const Proposal& b) { return a.score > b.score; });
   return kept;
@@ -235,24 +265,45 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
     PoseInformation information;
   };
   std::vector<Candidate> candidates;
-  constexpr std::array<double, 10> kTolerances{24, 24, 20, 16, 12, 10, 8, 6, 4, 4};
-  std::array<double, 10> scaled{};
+  constexpr std::array<double, 8> kTolerances{20, 16, 12, 10, 8, 6, 4, 4};
+  std::array<double, 8> scaled{};
   for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = kTolerances[i] * scale;
   RefineOptions refine_options;
   refine_options.mount = &state.mount;
   refine_options.roll_sigma = 0.001;
   refine_options.tolerances_px = scaled;
-  for (const Proposal& proposal : proposals) {
+  // A short refinement puts the proposals in order: a good place lies between the steps of the
+  // search, and scores no better there than others.
+  constexpr std::array<double, 4> kFirst{24, 24, 20, 16};
+  std::array<double, 4> scaled_first{};
+  for (std::size_t i = 0; i < scaled_first.size(); ++i) scaled_first[i] = kFirst[i] * scale;
+  RefineOptions first_options = refine_options;
+  first_options.tolerances_px = scaled_first;
+  struct Start {
+    Pose pose;
+    double score = 0;
+  };
+  std::vector<Start> starts;
+  const auto looked_at = std::min(proposals.size(), static_cast<std::size_t>(kPolished) *
+                                                        static_cast<std::size_t>(options.refined));
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    Pose pose = state.pose(proposals[i].pan, proposals[i].tilt, proposals[i].focal);
+    if (!refine(map, state.sparse, first_options, pose)) continue;
+    starts.push_back({pose, score_fast(map, state.sparse, pose, 12 * scale).score()});
+  }
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.score > b.score; });
+  for (const Start& start : starts) {
     if (static_cast<int>(candidates.size()) >= options.refined) break;
-    const Pose start = state.pose(proposal.pan, proposal.tilt, proposal.focal);
     if (std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
-          return picture_distance(other.start, start) < 40 * scale;
+          return picture_distance(other.start, start.pose) < 20 * scale;
         }))
       continue;
-    Pose pose = start;
+    Pose pose = start.pose;
     PoseInformation information = PoseInformation::Zero();
     if (!refine(map, state.coarse, refine_options, pose, &information)) continue;
-    candidates.push_back({start, pose, score_fast(map, state.fine, pose, 5 * scale), information});
+    candidates.push_back(
+        {start.pose, pose, score_fast(map, state.fine, pose, 5 * scale), information});
   }
   if (candidates.empty()) {
     report.stopped_because = "nothing fits";
@@ -262,8 +313,17 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
     return a.score.score() > b.score.score();
   };
   std::stable_sort(candidates.begin(), candidates.end(), better);
-  constexpr std::size_t kJudged = 6;
-  if (candidates.size() > kJudged) candidates.resize(kJudged);
+  // The best of each place are judged: what speaks for another place must not be crowded out.
+  constexpr std::size_t kJudged = 8;
+  std::vector<Candidate> judged;
+  for (const Candidate& candidate : candidates) {
+    if (judged.size() >= kJudged) break;
+    if (std::none_of(judged.begin(), judged.end(), [&](const Candidate& other) {
+          return picture_distance(other.pose, candidate.pose) < kSamePx * scale;
+        }))
+      judged.push_back(candidate);
+  }
+  candidates = std::move(judged);
   for (Candidate& candidate : candidates)
     candidate.score = score_exact(map, state.fine, state.pitch, candidate.pose, 5 * scale, 800);
   std::stable_sort(candidates.begin(), candidates.end(), better);
@@ -273,21 +333,29 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
   report.explained = best.score.explained;
   report.rms_px = best.score.rms_px;
   report.sigma_px = picture_sigma(best.information, best.pose);
-  for (const Candidate& other : candidates)
-    if (picture_distance(other.pose, best.pose) > kDistinctPx * scale)
-      report.second = std::max(report.second, other.score.score());
+  report.against_px = best.score.against_px();
+  for (const Candidate& other : candidates) {
+    if (picture_distance(other.pose, best.pose) <= kDistinctPx * scale) continue;
+    report.second = std::max(report.second, other.score.score());
+    report.second_against_px = std::min(report.second_against_px, other.score.against_px());
+  }
 
   if (best.score.confirmed < options.least_confirmed) {
     report.stopped_because = "predicted lines not confirmed";
   } else if (best.score.explained < options.least_explained) {
     report.stopped_because = "lines in the picture not explained";
-  } else if (best.score.seen_m < options.least_seen_m || best.score.directions < 2) {
+  } else if (const LineConflict conflict = line_conflict(map, state.fine, best.pose, 5 * scale);
+             conflict.any() && report.score < kBeyondConflict) {
+    report.stopped_because = "a line stands where none is predicted, and none where one is";
+  } else if (report.score < options.least_score) {
+    report.stopped_because = "picture and prediction differ";
+  } else if (best.score.seen_m < options.least_seen_m) {
     report.stopped_because = "too little line";
   } else if (report.sigma_px > options.most_sigma_px * scale) {
     report.stopped_because = "lines leave the pose open";
   } else if (best.score.rms_px > options.most_rms_px * scale) {
     report.stopped_because = "residual too large";
-  } else if (!clearly_worse(report, map, scale, options)) {
+  } else if (report.second_against_px - report.against_px < needed_lead(map, scale, options)) {
     report.stopped_because = "ambiguous";
   } else {
     report.stopped_because = "accepted";
@@ -326,7 +394,8 @@ base::Status InitialiseOptions::validate() const {
         check("most_tilt_deg", most_tilt_deg, least_tilt_deg, 90),
         check("refined", refined, 1, 5000), check("least_confirmed", least_confirmed, 0, 1),
         check("least_explained", least_explained, 0, 1),
-        check("least_seen_m", least_seen_m, 0, 1000), check("least_margin", least_margin, 0, 1),
+        check("least_seen_m", least_seen_m, 0, 1000), check("least_score", least_score, 0, 1),
+        check("least_lead_px", least_lead_px, 0, 10000),
         check("most_sigma_px", most_sigma_px, 0.05, 1000),
         check("most_rms_px", most_rms_px, 0.05, 50)})
     if (!status) return status;

@@ -62,6 +62,42 @@ image::Image<std::int32_t> nearest_points(const std::vector<RidgePoint>& points,
   return map;
 }
 
+// How far a full line's contrast stands over the least contrast that is found, from cell to cell.
+image::Image<float> line_strength(const TurfMask& turf, const std::vector<RidgePoint>& points,
+                                  double least_contrast) {
+  constexpr double kBlack = 64;
+  constexpr std::size_t kFewest = 40;  // points, to say how lines stand out
+  constexpr double kFullLine = 0.8;    // quantile of their ratios to the turf
+  image::Image<float> out;
+  if (points.size() < kFewest) return out;
+  const int columns = turf.luma.width();
+  const int rows = turf.luma.height();
+  // The darkest cell about: paint and kit are brighter than the turf that they lie on.
+  const auto turf_luma = [&](int x, int y) {
+    std::uint16_t least = 65535;
+    for (int v = std::max(0, y - 1); v <= std::min(rows - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(columns - 1, x + 1); ++u)
+        if (turf.cells(u, v) != 0) least = std::min(least, turf.luma(u, v));
+    return least == 65535 ? turf.luma(x, y) : least;
+  };
+  image::Image<float> light(columns, rows);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x)
+      light(x, y) = static_cast<float>(std::max(8.0, turf_luma(x, y) - kBlack));
+  std::vector<float> ratios;
+  for (const RidgePoint& point : points)
+    ratios.push_back(point.contrast /
+                     light(static_cast<int>(point.position.x()) / LineMap::kTurfStep,
+                           static_cast<int>(point.position.y()) / LineMap::kTurfStep));
+  const auto full =
+      ratios.begin() + static_cast<std::ptrdiff_t>(kFullLine * static_cast<double>(ratios.size()));
+  std::nth_element(ratios.begin(), full, ratios.end());
+  const float scale = *full / static_cast<float>(least_contrast);
+  out = std::move(light);
+  for (int i = 0; i < columns * rows; ++i) out.data()[i] *= scale;
+  return out;
+}
+
 }  // namespace
 
 base::Status LineMapOptions::validate() const {
@@ -91,12 +127,56 @@ LineMap detect_lines(const image::Frame& frame, const LineMapOptions& options) {
   TurfMask turf = find_turf(frame, options);
   map.turf_share = turf.share;
   if (turf.share > 0) {
-    map.points = find_ridges(frame, turf, options);
+    double least_contrast = options.least_contrast;
+    map.points = find_ridges(frame, turf, options, least_contrast);
+    map.strength = line_strength(turf, map.points, least_contrast);
     map.lines = find_lines(map.points, map.width, map.height, options);
   }
   map.nearest = nearest_points(map.points, map.width, map.height, map.reach_px);
   map.turf = std::move(turf.cells);
   return map;
+}
+
+LineMap merge_still(std::vector<LineMap> maps, const LineMapOptions& options) {
+  constexpr double kShown = 0.4;  // of the pictures
+  constexpr double kNearPx = 1.5;
+  if (maps.size() < 3) return std::move(maps.front());
+  const auto needed =
+      static_cast<std::size_t>(std::ceil(kShown * static_cast<double>(maps.size())));
+  const double near = kNearPx * std::max(maps.front().height / 1080.0, 0.5);
+  // Each place is kept once, by the first picture that shows it.
+  std::vector<RidgePoint> points;
+  int chains = 0;
+  for (std::size_t i = 0; i + needed <= maps.size(); ++i) {
+    for (const RidgePoint& point : maps[i].points) {
+      const auto shows = [&](const LineMap& map) {
+        const int at = map.nearest_to(point.position.cast<double>());
+        if (at < 0) return false;
+        const RidgePoint& other = map.points[static_cast<std::size_t>(at)];
+        const Eigen::Vector2f off = point.position - other.position;
+        return std::abs(off.dot(other.normal)) <= near && off.norm() <= near + LineMap::kMapStep &&
+               std::abs(point.normal.dot(other.normal)) > 0.9F;
+      };
+      std::size_t shown = 1;
+      bool before = false;
+      for (std::size_t k = 0; k < maps.size() && !before; ++k) {
+        if (k == i || !shows(maps[k])) continue;
+        before = k < i;
+        ++shown;
+      }
+      if (before || shown < needed) continue;
+      points.push_back(point);
+      points.back().chain += chains;
+    }
+    int of_map = 0;
+    for (const RidgePoint& point : maps[i].points) of_map = std::max(of_map, point.chain + 1);
+    chains += of_map;
+  }
+  LineMap out = std::move(maps.front());
+  out.points = std::move(points);
+  out.lines = find_lines(out.points, out.width, out.height, options);
+  out.nearest = nearest_points(out.points, out.width, out.height, out.reach_px);
+  return out;
 }
 
 }  // namespace touchline::calibrate

@@ -55,6 +55,9 @@ struct LineMap {
   static constexpr int kMapStep = 4;   // pixels of the picture a cell of the nearest-point map
   image::Image<std::uint8_t> turf;     // 1 = turf, with what stands on it filled in
   double turf_share = 0;               // of the picture
+  // Contrast of a line of full width there over the least that is found, a cell of the turf mask;
+  // by how the picture's strongest lines stand out of their turf. Empty: not known.
+  image::Image<float> strength;
   std::vector<RidgePoint> points;
   std::vector<LineHypothesis> lines;   // by falling number of points
   image::Image<std::int32_t> nearest;  // index of the nearest ridge point, -1 beyond reach
@@ -72,6 +75,12 @@ struct LineMap {
     return inside(pixel) && turf(static_cast<int>((pixel.x() + 0.5) * (1.0 / kTurfStep)),
                                  static_cast<int>((pixel.y() + 0.5) * (1.0 / kTurfStep))) != 0;
   }
+  // What `strength` says at a pixel in the picture; large where it is not known.
+  float strength_at(float x, float y) const {
+    if (strength.width() == 0) return 100;
+    return strength(static_cast<int>((x + 0.5F) * (1.0F / kTurfStep)),
+                    static_cast<int>((y + 0.5F) * (1.0F / kTurfStep)));
+  }
   bool inside(const Eigen::Vector2d& pixel) const {  // false for what is not a number
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 &&
            pixel.y() < height - 0.5;
@@ -80,5 +89,10 @@ struct LineMap {
 
 // Pure; an empty map (no points, turf_share 0) where there is no turf. Options must be valid.
 LineMap detect_lines(const image::Frame& frame, const LineMapOptions& options);
+
+// One map of what stands still in the pictures of a camera that does not move: ridge points that
+// at least two fifths of them show. Rain, people and the ball go. At least one map, all of one
+// size.
+LineMap merge_still(std::vector<LineMap> maps, const LineMapOptions& options);
 
 }  // namespace touchline::calibrate

@@ -9,7 +9,15 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kLeastVisibleWidthPx = 0.9;  // paint thinner than this counts less
+constexpr double kBesideWeight = 0.7;         // of a ridge off the pitch that nothing explains
 constexpr double kOffTurfWeight = 0.4;        // a predicted line where no turf is may be hidden
+constexpr double kFullWidthPx = 1.6;          // paint this wide has its full contrast
+constexpr std::size_t kMostMarkings = 48;     // of a pitch
+constexpr double kDashShare = 0.45;           // of a dashed line that is painted, at least
+constexpr double kMostDashShare = 0.85;       // a line seen over more of its length is solid
+constexpr double kSolidPenalty = 5;           // of its credit, by the share that is seen beyond
+constexpr double kLeastGap_m = 1.5;           // between dashes
+constexpr double kShowingGap = 3.5;           // in reaches of a ridge point along its line
 constexpr float kLeastAlong = 0.30F;          // sine between a ridge and a marking that still agree
 
 // Projection in single precision for scoring.
@@ -52,9 +60,14 @@ struct FastCamera {
 };
 
 struct Tally {
-  double predicted = 0;
-  double confirmed = 0;
-  double matched_px = 0;
+  // One a marking: line length in pixels that should be seen, and that is.
+  struct Marking {
+    double predicted = 0;
+    double confirmed = 0;
+    double matched_px = 0;
+    double dash_px = 0;  // sum of the gaps' lengths by predicted length, for their mean
+  };
+  std::array<Marking, kMostMarkings> markings{};
   double seen_m = 0;
   double squares = 0;
   double weights = 0;
@@ -65,20 +78,27 @@ Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
             double tolerance_px) {
   const FastCamera camera(pose);
   const float tolerance = static_cast<float>(tolerance_px);
+  const float reach = tolerance + 8 * static_cast<float>(std::max(map.height / 1080.0, 0.5));
   Tally sum;
   Eigen::Vector2f pixel, along;
   float depth = 0;
   for (const MarkingSamples::Sample& sample : samples.samples) {
     if (!camera.project(sample.point, sample.tangent, pixel, along, depth)) continue;
-    const float length = along.norm() * sample.step;
+    const float speed = along.norm();
+    const float length = speed * sample.step;
     // Paint across the line of sight is foreshortened by the height over the distance; the same
     // factor that shortens a tangent along it. A bound from both is enough here.
     const float paint =
         sample.width * camera.f / depth *
         std::max(0.15F, std::min(1.0F, static_cast<float>(pose.position.z()) / depth * 1.2F +
-                                           std::abs(along.y()) / (along.norm() + 1e-6F)));
-    const float visible = std::min(1.0F, paint / static_cast<float>(kLeastVisibleWidthPx));
+                                           std::abs(along.y()) / (speed + 1e-6F)));
+    // Thin paint, and paint on dark turf, stands out less than what is found.
+    const float contrast = map.strength_at(pixel.x(), pixel.y()) *
+                           std::min(1.0F, paint / static_cast<float>(kFullWidthPx));
+    const float visible = std::min(1.0F, paint / static_cast<float>(kLeastVisibleWidthPx)) *
+                          std::clamp(contrast - 1, 0.1F, 1.0F);
     double weight = std::min(length, 60.0F) * visible;
+    Tally::Marking& marking = sum.markings[static_cast<std::size_t>(sample.marking)];
     const int at = map.nearest_to(pixel.cast<double>());
     bool hit = false;
     if (at >= 0) {
@@ -86,13 +106,14 @@ Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
       const float across = ridge.normal.dot(pixel - ridge.position);
       const Eigen::Vector2f ridge_along(-ridge.normal.y(), ridge.normal.x());
       const float beyond = std::abs(ridge_along.dot(pixel - ridge.position));
-      if (std::abs(across) < tolerance && beyond < tolerance + 8 &&
-          std::abs(ridge.normal.dot(along)) < kLeastAlong * along.norm()) {
+      if (std::abs(across) < tolerance && beyond < reach &&
+          std::abs(ridge.normal.dot(along)) < kLeastAlong * speed) {
         hit = true;
         const double share =
             1 - static_cast<double>(across * across) / (tolerance_px * tolerance_px);
-        sum.confirmed += weight * share;
-        sum.matched_px += std::max(std::abs(along.x()), std::abs(along.y())) * sample.step * share;
+        marking.confirmed += weight * share;
+        marking.matched_px +=
+            std::max(std::abs(along.x()), std::abs(along.y())) * sample.step * share;
         sum.seen_m += sample.step;
         sum.squares += weight * across * across;
         sum.weights += weight;
@@ -102,14 +123,35 @@ Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
       }
     }
     if (!hit && !map.on_turf(pixel.cast<double>())) weight *= kOffTurfWeight;
-    sum.predicted += weight;
+    marking.predicted += weight;
+    marking.dash_px += weight * kLeastGap_m * speed;
+  }
+  // Gaps shorter than what a ridge point confirms beyond itself do not show.
+  for (std::size_t i = 0; i < samples.dashed.size(); ++i) {
+    Tally::Marking& marking = sum.markings[i];
+    if (!samples.dashed[i] || marking.predicted <= 0) continue;
+    const double share = marking.confirmed / marking.predicted;
+    // Of a dashed line no more than its dashes can be seen, and need be.
+    const bool gaps_show = marking.dash_px > kShowingGap * double{reach} * marking.predicted;
+    double credit = std::min(1.0, share / kDashShare);
+    if (gaps_show && share > kMostDashShare)
+      credit = std::max(0.0, credit - kSolidPenalty * (share - kMostDashShare));
+    marking.predicted *= kDashShare;
+    marking.confirmed = marking.predicted * credit;
   }
   return sum;
 }
 
 PoseScore from_tally(const Tally& sum) {
   PoseScore score;
-  if (sum.predicted > 0) score.confirmed = sum.confirmed / sum.predicted;
+  double predicted = 0;
+  double confirmed = 0;
+  for (const Tally::Marking& marking : sum.markings) {
+    predicted += marking.predicted;
+    confirmed += marking.confirmed;
+  }
+  if (predicted > 0) score.confirmed = confirmed / predicted;
+  score.missing_px = predicted - confirmed;
   score.seen_m = sum.seen_m;
   if (sum.weights > 0) score.rms_px = std::sqrt(sum.squares / sum.weights);
   for (const double length : sum.by_direction)
@@ -212,7 +254,9 @@ std::optional<Eigen::Vector3d> cast_on_turf(const pitch::PitchModel& pitch, cons
 
 MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m) {
   MarkingSamples result;
-  for (std::size_t i = 0; i < pitch.markings.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(pitch.markings.size(), kMostMarkings); ++i)
+    result.dashed.push_back(pitch.markings[i].dashed);
+  for (std::size_t i = 0; i < result.dashed.size(); ++i) {
     const pitch::Marking& marking = pitch.markings[i];
     if (marking.shape == pitch::MarkingShape::kSpot) continue;
     const double length = marking.length();
@@ -226,9 +270,7 @@ MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m)
       sample.point = pitch.on_turf(p).cast<float>();
       const double slope = (pitch.turf_z(p.y() + 0.5 * t.y()) - pitch.turf_z(p.y() - 0.5 * t.y()));
       sample.tangent = Eigen::Vector3d(t.x(), t.y(), slope).normalized().cast<float>();
-      // A dashed line is painted over part of its length only: it may be missing where it is
-      // predicted, and counts less.
-      sample.step = static_cast<float>(length / count * (marking.dashed ? 0.4 : 1.0));
+      sample.step = static_cast<float>(length / count);
       sample.width = static_cast<float>(marking.width);
       sample.marking = static_cast<int>(i);
       result.samples.push_back(sample);
@@ -241,8 +283,10 @@ PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Po
                      double tolerance_px) {
   const Tally sum = tally(map, samples, pose, tolerance_px);
   PoseScore score = from_tally(sum);
+  double matched = 0;
+  for (const Tally::Marking& marking : sum.markings) matched += marking.matched_px;
   if (!map.points.empty())
-    score.explained = std::min(1.0, sum.matched_px / static_cast<double>(map.points.size()));
+    score.explained = std::min(1.0, matched / static_cast<double>(map.points.size()));
   return score;
 }
 
@@ -260,8 +304,11 @@ PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
     const RidgePoint& point = map.points[i];
     Eigen::Vector3d direction;
     const auto ground = cast_on_turf(pitch, pose, point.position.cast<double>(), direction);
-    if (!ground) continue;
     const double weight = double{point.contrast} / (double{point.contrast} + 60.0);
+    if (!ground) {  // turf above the horizon
+      all += weight;
+      continue;
+    }
     const PointOnMarking match =
         match_on_ground(pitch, pose, point, ground->head<2>(), tolerance_px);
     if (match.marking >= 0) {
@@ -269,12 +316,59 @@ PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
       explained += weight;
       continue;
     }
-    if (std::abs(ground->x()) > length || std::abs(ground->y()) > width) continue;
     if (through_goal(pitch, pose.position, direction)) continue;
-    all += weight;
+    // Beside the pitch there may be other paint, but no pose may put all lines there.
+    const bool beside = std::abs(ground->x()) > length || std::abs(ground->y()) > width;
+    all += beside ? kBesideWeight * weight : weight;
   }
   if (all > 0) score.explained = explained / all;
+  score.unexplained_px = static_cast<double>(stride) * (all - explained);
   return score;
+}
+
+LineConflict line_conflict(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                           double tolerance_px) {
+  constexpr double kLong = 0.15;  // of the picture's width
+  constexpr double kHardly = 0.2;
+  const double least = kLong * map.width;
+  LineConflict conflict;
+  const Tally sum = tally(map, samples, pose, tolerance_px);
+  for (std::size_t i = 0; i < samples.dashed.size(); ++i) {
+    const Tally::Marking& marking = sum.markings[i];
+    const double should = marking.predicted / (samples.dashed[i] ? kDashShare : 1);
+    if (should > least && marking.confirmed < kHardly * marking.predicted) ++conflict.missing;
+  }
+  if (conflict.missing == 0) return conflict;
+  // The predicted markings as points, against each line of the picture.
+  const FastCamera camera(pose);
+  std::vector<Eigen::Vector4f> predicted;  // place, direction
+  Eigen::Vector2f pixel, along;
+  float depth = 0;
+  for (const MarkingSamples::Sample& sample : samples.samples) {
+    if (!camera.project(sample.point, sample.tangent, pixel, along, depth)) continue;
+    const Eigen::Vector2f u = along.normalized();
+    predicted.emplace_back(pixel.x(), pixel.y(), u.x(), u.y());
+  }
+  constexpr int kBins = 24;
+  for (const LineHypothesis& line : map.lines) {
+    const Eigen::Vector2f start = line.start.cast<float>();
+    const Eigen::Vector2f span = (line.end - line.start).cast<float>();
+    const float length = span.norm();
+    if (line.points < least || length < least) continue;
+    const Eigen::Vector2f u = span / length;
+    std::array<bool, kBins> named{};
+    for (const Eigen::Vector4f& p : predicted) {
+      const Eigen::Vector2f off = p.head<2>() - start;
+      const float t = u.dot(off) / length;
+      if (t < 0 || t >= 1 || std::abs(u.x() * p.w() - u.y() * p.z()) > kLeastAlong) continue;
+      if (std::abs(u.x() * off.y() - u.y() * off.x()) > 2 * static_cast<float>(tolerance_px))
+        continue;
+      named[static_cast<std::size_t>(t * kBins)] = true;
+    }
+    if (static_cast<double>(std::count(named.begin(), named.end(), true)) < kHardly * kBins)
+      ++conflict.unnamed;
+  }
+  return conflict;
 }
 
 PointOnMarking match_point(const pitch::PitchModel& pitch, const Pose& pose,
@@ -297,6 +391,65 @@ double picture_distance(const Pose& a, const Pose& b) {
     }
   }
   return most;
+}
+
+double width_ratio(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                   double tolerance_px) {
+  constexpr double kLeastPredictedPx = 3;
+  constexpr std::size_t kFewest = 12;
+  const FastCamera camera(pose);
+  const auto tolerance = static_cast<float>(tolerance_px);
+  std::vector<double> ratios;
+  Eigen::Vector2f pixel, along;
+  float depth = 0;
+  for (const MarkingSamples::Sample& sample : samples.samples) {
+    if (!camera.project(sample.point, sample.tangent, pixel, along, depth)) continue;
+    const int at = map.nearest_to(pixel.cast<double>());
+    if (at < 0) continue;
+    const RidgePoint& ridge = map.points[static_cast<std::size_t>(at)];
+    if (std::abs(ridge.normal.dot(pixel - ridge.position)) > tolerance ||
+        std::abs(ridge.normal.dot(along)) > kLeastAlong * along.norm())
+      continue;
+    const Eigen::Vector3f across(-sample.tangent.y(), sample.tangent.x(), 0);
+    Eigen::Vector2f end, along_end;
+    if (!camera.project(sample.point + sample.width * across, sample.tangent, end, along_end,
+                        depth))
+      continue;
+    const double predicted = std::abs(ridge.normal.dot(end - pixel));
+    if (predicted < kLeastPredictedPx) continue;
+    ratios.push_back(double{ridge.width} / predicted);
+  }
+  if (ratios.size() < kFewest) return 0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+bool widths_agree(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                  double tolerance_px) {
+  const double ratio = width_ratio(map, samples, pose, tolerance_px);
+  return ratio == 0 || (ratio > 0.62 && ratio < 1.7);
+}
+
+double turf_distance(const pitch::PitchModel& pitch, const Pose& a, const Pose& b) {
+  constexpr int kGrid = 8;
+  double sum = 0;
+  int count = 0;
+  for (int i = 0; i <= kGrid; ++i) {
+    for (int k = 0; k <= kGrid; ++k) {
+      const Eigen::Vector2d pixel(i * (a.model.width - 1.0) / kGrid,
+                                  k * (a.model.height - 1.0) / kGrid);
+      Eigen::Vector3d direction;
+      const auto ground = cast_on_turf(pitch, a, pixel, direction);
+      if (!ground || std::abs(ground->x()) > 0.5 * pitch.length_m + pitch.in_goal_m + 5 ||
+          std::abs(ground->y()) > 0.5 * pitch.width_m + 5)
+        continue;
+      const auto other = b.model.project(b.rotation * (*ground - b.position));
+      sum += other ? (*other - pixel).squaredNorm() : 1e8;
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 }  // namespace touchline::calibrate

@@ -29,6 +29,7 @@ struct MarkingSamples {
     int marking = 0;          // index into the pitch's markings
   };
   std::vector<Sample> samples;
+  std::vector<bool> dashed;  // one a marking of the pitch
 };
 MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m);
 
@@ -38,6 +39,10 @@ struct PoseScore {
   double seen_m = 0;     // metres of marking confirmed
   double rms_px = 0;     // of confirmed samples, across the line
   int directions = 0;    // 2 where lines of clearly different image direction or arcs are confirmed
+  double missing_px = 0;      // of the predicted lines: not seen where they should be, pixels
+  double unexplained_px = 0;  // of the ridges in the picture, pixels; score_exact alone
+  // What speaks against the pose. Clutter and people add the same to every pose of a picture.
+  double against_px() const { return missing_px + unexplained_px; }
   double score() const {
     const double sum = confirmed + explained;
     return sum > 0 ? 2 * confirmed * explained / sum : 0;
@@ -50,10 +55,21 @@ PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Po
                      double tolerance_px);
 
 // Exact: every ridge point (or evenly chosen ones, at most `most_points`) is cast on the turf and
-// compared with its nearest marking. Points on goals and off the pitch do not count.
+// compared with its nearest marking. Points on goals do not count, points off the pitch less.
 PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
                       const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
                       int most_points);
+
+// Whole lines that speak against a pose: markings that should be seen over a good part of the
+// picture and are not, and straight lines of the picture that lie on no marking. Paint may be worn
+// or hidden, and a pitch may carry other lines; both at once are a pose slipped from line to line.
+struct LineConflict {
+  int missing = 0;
+  int unnamed = 0;
+  bool any() const { return missing > 0 && unnamed > 0; }
+};
+LineConflict line_conflict(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                           double tolerance_px);
 
 // A ridge point on a marking.
 struct PointOnMarking {
@@ -89,5 +105,17 @@ double picture_sigma(const PoseInformation& information, const Pose& pose);
 
 // Largest displacement of picture points between two cameras' rotations and focal lengths, pixels.
 double picture_distance(const Pose& a, const Pose& b);
+
+// Measured over predicted width of the painted lines that the pose puts on ridges: paint is 0.12 m
+// wide, and so tells the scale where nothing else does. Median; 0 where too little is wide enough.
+double width_ratio(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                   double tolerance_px);
+// False where the widths speak against the pose: lines are painted 0.08 to 0.15 m wide.
+bool widths_agree(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                  double tolerance_px);
+
+// Root mean square distance in the picture of `a`, over a grid of its pixels on the turf, between
+// the places where `a` and `b` see the same turf; pixels.
+double turf_distance(const pitch::PitchModel& pitch, const Pose& a, const Pose& b);
 
 }  // namespace touchline::calibrate

@@ -363,7 +363,7 @@ void drop_crowds(int width, int height, std::vector<RidgePoint>& points) {
 }  // namespace
 
 std::vector<RidgePoint> find_ridges(const image::Frame& frame, const TurfMask& turf,
-                                    const LineMapOptions& options) {
+                                    const LineMapOptions& options, double& least_contrast) {
   const double scale = frame.height() / 1080.0;
   Scales scales;
   scales.near = std::max(2, static_cast<int>(std::lround(4 * scale)));
@@ -374,6 +374,7 @@ std::vector<RidgePoint> find_ridges(const image::Frame& frame, const TurfMask& t
   const double sigma = texture_sigma(frame.luma(), turf);
   const int threshold = static_cast<int>(
       std::lround(std::max(options.least_contrast, options.noise_factor * sigma * 0.7)));
+  least_contrast = threshold;
 
   std::vector<RidgePoint> points;
   int chains = 0;

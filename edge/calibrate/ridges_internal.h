@@ -8,8 +8,9 @@
 
 namespace touchline::calibrate {
 
+// `least_contrast`: of a ridge, as the picture's noise allows it; code values.
 std::vector<RidgePoint> find_ridges(const image::Frame& frame, const TurfMask& turf,
-                                    const LineMapOptions& options);
+                                    const LineMapOptions& options, double& least_contrast);
 
 // Straight lines among ridge points by a Hough transform of theta and rho.
 std::vector<LineHypothesis> find_lines(const std::vector<RidgePoint>& points, int width, int height,

@@ -121,6 +121,9 @@ base::Result<SurveyResult> survey_fixed(std::span<const image::Frame> frames,
   const std::size_t stride = std::max<std::size_t>(1, frames.size() / 8);
   for (std::size_t i = 0; i < frames.size(); i += stride)
     maps.push_back(detect_lines(frames[i], options.line_map));
+  LineMap still = merge_still(std::move(maps), options.line_map);
+  maps.clear();
+  maps.push_back(std::move(still));
   auto found = survey_on_any_size(maps, pitch, side, options, false);
   if (!found) return found;
   hold_still(frames.size(), *found);

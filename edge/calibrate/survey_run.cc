@@ -15,12 +15,18 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kPointsAStill = 320;
 constexpr double kConsensusRadius = 0.06;  // of positions that agree, share of the distance
-constexpr int kCandidates = 4;             // positions that are tried on all stills
-constexpr double kSizeStep = 0.05;         // metres, for derivatives by the pitch's sizes
-constexpr double kSizePrior = 5;           // metres that a length or width may be wrong by
-constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
-constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
-constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
+constexpr std::size_t kPlaces = 10;        // of a fixed camera, that are solved
+constexpr int kJudgedPoints = 1200;        // of a picture
+constexpr double kDistinctPx = 12;         // on the turf, between two places at 1080 lines
+constexpr double kLeadPx = 100;           // of line, by which a place must be better, at 1080 lines
+constexpr double kLeadShare = 0.02;       // the same, of the ridge points
+constexpr double kBeyondConflict = 0.94;  // score of a pose that whole lines may speak against
+constexpr int kCandidates = 4;            // positions that are tried on all stills
+constexpr double kSizeStep = 0.05;        // metres, for derivatives by the pitch's sizes
+constexpr double kSizePrior = 5;          // metres that a length or width may be wrong by
+constexpr double kCrownPrior = 0.3;       // the same for an unknown crown
+constexpr double kSizeSigmas = 4;         // a size must be this sure to be held against the stated
+constexpr double kMostPriorSigmas = 4;    // of the principal point and the levelling
 constexpr double kLeastStillScore = 0.7;
 constexpr double kLeastFit = 0.78;     // of confirmed and explained, over all solved stills
 constexpr double kLeastShown = 0.6;    // of confirmed, where so much is explained
@@ -68,7 +74,11 @@ class Survey {
   }
 
   base::Result<SurveyResult> run() {
-    if (!start()) return no_position();
+    if (head_) {
+      if (!start()) return no_position();
+    } else if (auto status = start_fixed(); !status) {
+      return base::fail(status.error());
+    }
     const std::array<double, 5> tolerances{8, 5, 4, 3, 3};
     const int rounds = std::max(options_.rounds, 2);
     int settled = 0;
@@ -194,15 +204,6 @@ class Survey {
         total += hypothesis.score;
       }
       if (problem.heads.empty() || total <= best_total) continue;
-      if (!head_) {  // one pose for all pictures
-        const auto best = std::max_element(
-            candidate.members.begin(), candidate.members.end(),
-            [](const auto& a, const auto& b) { return a.second.score < b.second.score; });
-        problem.mount.position_in_world = geometry::origin(best->second.cam_from_world);
-        problem.heads.assign(
-            1, head_of(problem.mount, best->second.cam_from_world, best->second.model.fx));
-        stills.assign(1, best->first);
-      }
       best_total = total;
       problem_ = std::move(problem);
       stills_ = std::move(stills);
@@ -210,6 +211,61 @@ class Survey {
     if (problem_.heads.empty()) return false;
     place_knots();
     return true;
+  }
+
+  // A fixed camera: every place that explains its picture is solved, and the one that explains it
+  // best is taken where clearly less speaks against it than against any other.
+  base::Status start_fixed() {
+    struct Place {
+      SurveyProblem problem;
+      Pose pose;
+      PoseScore score;
+    };
+    const LineMap& map = maps_.front();
+    std::vector<Place> places;
+    for (const ColdHypothesis& hypothesis : cold_start(map, pitch_, side_, options_.cold_start)) {
+      if (places.size() >= kPlaces) break;
+      problem_ = {};
+      problem_.mount = empty_mount();
+      problem_.mount.position_in_world = geometry::origin(hypothesis.cam_from_world);
+      problem_.heads.assign(
+          1, head_of(problem_.mount, hypothesis.cam_from_world, hypothesis.model.fx));
+      stills_.assign(1, 0);
+      bool solved = true;
+      for (const double tolerance : {8.0, 5.0, 4.0})
+        solved = solved && solve(tolerance * scale_, false).converged;
+      if (!solved ||
+          !plausible(problem_.mount.position_in_world, side_, pitch_, options_.cold_start.bounds))
+        continue;
+      const Pose pose = pose_of(problem_.mount, problem_.heads.front());
+      places.push_back(
+          {problem_, pose, score_exact(map, fine_, pitch_, pose, 5 * scale_, kJudgedPoints)});
+    }
+    std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+      return a.score.score() > b.score.score();
+    });
+    problem_ = {};
+    if (places.empty() || places.front().score.score() < kLeastStillScore)
+      return base::fail(no_position().error());
+    const Place& best = places.front();
+    const double lead =
+        std::max(kLeadPx * scale_, kLeadShare * static_cast<double>(map.points.size()));
+    for (const Place& other : places) {
+      if (turf_distance(pitch_, best.pose, other.pose) < kDistinctPx * scale_) continue;
+      if (other.score.against_px() - best.score.against_px() >= lead) continue;
+      const Eigen::Vector3d& a = best.pose.position;
+      const Eigen::Vector3d& b = other.pose.position;
+      return base::fail(
+          base::ErrorKind::kNumerical, "survey",
+          fmt::format(
+              "the lines are seen as well from ({:.1f}, {:.1f}, {:.1f}) with a focal length "
+              "of {:.0f} px as from ({:.1f}, {:.1f}, {:.1f}) with {:.0f} px",
+              a.x(), a.y(), a.z(), best.pose.model.fx, b.x(), b.y(), b.z(), other.pose.model.fx),
+          "show more of the pitch: a corner, a box or the circle");
+    }
+    problem_ = best.problem;
+    stills_.assign(1, 0);
+    return {};
   }
 
   // Lens knots evenly over the log focal lengths of the solved stills, keeping the lens so far.
@@ -410,6 +466,15 @@ class Survey {
                                        std::abs(mount.cy - 0.5 * (mount.height - 1)));
     const double off_level = std::max(std::abs(mount.level_x), std::abs(mount.level_y));
     if (auto status = check_sizes(result); !status) return base::fail(status.error());
+    if (!head_) {
+      const Pose pose = pose_of(problem_.mount, problem_.heads.front());
+      const double score = 2 * confirmed * explained / (confirmed + explained);
+      if (score < kBeyondConflict && line_conflict(maps_.front(), fine_, pose, 5 * scale_).any())
+        return base::fail(base::ErrorKind::kNumerical, "survey",
+                          "in the best place that was found a line stands where none is predicted, "
+                          "and none where one is",
+                          "check the stated side and pitch sizes, and show more of the pitch");
+    }
     result.length_m = pitch_.length_m;
     result.width_m = pitch_.width_m;
     result.crown_m = pitch_.crown_m;

@@ -56,22 +56,31 @@ double hue(double cb, double cr) {
 constexpr double kLeastHue = 172 * kPi / 180;
 constexpr double kMostHue = 278 * kPi / 180;
 constexpr double kLeastSaturation = 14;
+constexpr double kLeastShare = 0.02;              // of the cells, to be the turf's colour
+constexpr double kLeastOtherShare = 0.04;         // the same of turf in another light
+constexpr double kMostShadeHue = 45 * kPi / 180;  // between turf in the sun and in shade
+constexpr double kMostUneven = 0.08;              // step between cells over the luma above black
+constexpr double kDarker = 0.85;
+constexpr double kSameHue = 12 * kPi / 180;  // cells this near the first colour are of it
+constexpr double kSameLeast = 0.55;          // the same, of saturation
+constexpr double kSameMost = 1.8;
+constexpr double kBlack = 64;
 
 struct TurfColour {
   double hue = 0;
   double saturation = 0;
 };
 
-bool dominant_green(const std::vector<Cell>& cells, int columns, int rows, TurfColour& colour) {
+// The commonest green of the cells that are not `taken`.
+bool dominant_green(const std::vector<Cell>& cells, const std::vector<bool>& taken,
+                    double least_share, TurfColour& colour) {
   std::array<double, kHueBins> histogram{};
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      const Cell& cell = cells[static_cast<std::size_t>(r * columns + c)];
-      const double saturation = std::hypot(cell.cb, cell.cr);
-      const double angle = hue(cell.cb, cell.cr);
-      if (saturation < kLeastSaturation || angle < kLeastHue || angle > kMostHue) continue;
-      histogram[static_cast<std::size_t>(angle / (2 * kPi) * kHueBins) % kHueBins] += 1;
-    }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (taken[i]) continue;
+    const double saturation = std::hypot(cells[i].cb, cells[i].cr);
+    const double angle = hue(cells[i].cb, cells[i].cr);
+    if (saturation < kLeastSaturation || angle < kLeastHue || angle > kMostHue) continue;
+    histogram[static_cast<std::size_t>(angle / (2 * kPi) * kHueBins) % kHueBins] += 1;
   }
   std::size_t best = 0;
   double most = 0;
@@ -83,15 +92,17 @@ bool dominant_green(const std::vector<Cell>& cells, int columns, int rows, TurfC
       best = i;
     }
   }
-  if (most < 0.02 * static_cast<double>(cells.size())) return false;
+  if (most < least_share * static_cast<double>(cells.size())) return false;
   // Mean hue and median saturation of the cells round the mode.
   const double centre = (static_cast<double>(best) + 0.5) * 2 * kPi / kHueBins;
   double sum = 0;
   std::vector<double> saturations;
-  for (const Cell& cell : cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Cell& cell = cells[i];
     const double saturation = std::hypot(cell.cb, cell.cr);
     const double angle = hue(cell.cb, cell.cr);
-    if (saturation < kLeastSaturation || std::abs(angle - centre) > 10 * kPi / 180) continue;
+    if (taken[i] || saturation < kLeastSaturation || std::abs(angle - centre) > 10 * kPi / 180)
+      continue;
     sum += angle;
     saturations.push_back(saturation);
   }
@@ -108,6 +119,38 @@ bool is_turf(double cb, double cr, const TurfColour& turf, double hue_range, dou
   if (saturation < least_share * turf.saturation || saturation > 2.6 * turf.saturation)
     return false;
   return std::abs(hue(cb, cr) - turf.hue) <= hue_range;
+}
+
+// Turf in shade is lit by the sky alone, and is of another, bluer and duller green than turf in the
+// sun; whichever covers more of the picture is the first colour. What else is green lies farther
+// from it, is as bright or brighter for its saturation, or is as uneven as stands are.
+bool other_light(const std::vector<Cell>& cells, const std::vector<bool>& first_cells, int columns,
+                 const TurfColour& first, TurfColour& other) {
+  if (!dominant_green(cells, first_cells, kLeastOtherShare, other)) return false;
+  if (std::abs(other.hue - first.hue) > kMostShadeHue) return false;
+  std::array<double, 2> luma{};
+  std::array<double, 2> count{};
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool near = std::abs(hue(cells[i].cb, cells[i].cr) - other.hue) < 10 * kPi / 180 &&
+                      std::hypot(cells[i].cb, cells[i].cr) > 0.6 * other.saturation;
+    if (!first_cells[i] && !near) continue;
+    const std::size_t kind = first_cells[i] ? 0 : 1;
+    luma[kind] += static_cast<double>(cells[i].y) - kBlack;
+    ++count[kind];
+    if (kind == 1 && (i + 1) % static_cast<std::size_t>(columns) != 0)
+      steps.push_back(std::abs(double{cells[i + 1].y} - double{cells[i].y}));
+  }
+  if (count[0] < 1 || steps.empty()) return false;
+  const double bright = luma[0] / count[0];
+  const double other_bright = luma[1] / count[1];
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  if (*middle > kMostUneven * other_bright) return false;
+  // The darker of the two is the duller as well.
+  const bool darker = other_bright < kDarker * bright && other.saturation < first.saturation;
+  const bool brighter = bright < kDarker * other_bright && first.saturation < other.saturation;
+  return darker || brighter;
 }
 
 using Mask = image::Image<std::uint8_t>;
@@ -174,14 +217,26 @@ TurfMask find_turf(const image::Frame& frame, const LineMapOptions& options) {
   TurfMask result;
   result.cells = Mask(columns, rows);
   const std::vector<Cell> cells = cell_means(frame, columns, rows);
-  TurfColour turf;
-  if (!dominant_green(cells, columns, rows, turf)) return result;
-
   const double range = options.turf_hue_deg * kPi / 180;
+  std::vector<TurfColour> colours(1);
+  std::vector<bool> taken(cells.size(), false);
+  if (!dominant_green(cells, taken, kLeastShare, colours[0])) return result;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double saturation = std::hypot(cells[i].cb, cells[i].cr) / colours[0].saturation;
+    taken[i] = saturation > kSameLeast && saturation < kSameMost &&
+               std::abs(hue(cells[i].cb, cells[i].cr) - colours[0].hue) < kSameHue;
+  }
+  if (TurfColour other; other_light(cells, taken, columns, colours[0], other))
+    colours.push_back(other);
+  const auto turf_coloured = [&](double cb, double cr, double hue_range, double least_share) {
+    return std::any_of(colours.begin(), colours.end(), [&](const TurfColour& colour) {
+      return is_turf(cb, cr, colour, hue_range, least_share);
+    });
+  };
   Mask mask(columns, rows);
   for (std::size_t i = 0; i < cells.size(); ++i)
     mask.data()[i] =
-        is_turf(cells[i].cb, cells[i].cr, turf, range, options.turf_saturation) ? 1 : 0;
+        turf_coloured(cells[i].cb, cells[i].cr, range, options.turf_saturation) ? 1 : 0;
   // Opened, so that green on hoardings and in the stands does not hang on to the pitch; then closed
   // over lines and people.
   mask = morph(morph(mask, false), true);
@@ -204,12 +259,15 @@ TurfMask find_turf(const image::Frame& frame, const LineMapOptions& options) {
   for (std::size_t i = 0; i < kept.size(); ++i) count += kept.data()[i];
   result.share = static_cast<double>(count) / static_cast<double>(cells.size());
   result.cells = std::move(kept);
+  result.luma = image::Image<std::uint16_t>(columns, rows);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    result.luma.data()[i] = static_cast<std::uint16_t>(cells[i].y);
   for (int cr = 0; cr < 64; ++cr) {
     for (int cb = 0; cb < 64; ++cb) {
       const double b = cb * 16 + 8 - 512;
       const double r = cr * 16 + 8 - 512;
       result.like[static_cast<std::size_t>(cr * 64 + cb)] =
-          is_turf(b, r, turf, 1.7 * range, 0.4 * options.turf_saturation) ? 1 : 0;
+          turf_coloured(b, r, 1.7 * range, 0.4 * options.turf_saturation) ? 1 : 0;
     }
   }
   return result;

@@ -1,0 +1,37 @@
+#include "tests/unit/edge/calibrate/pose_trials.h"
+
+#include <gtest/gtest.h>
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr int kHeads = 100;
+constexpr int kFixed = 20;
+
+// A camera that is found is the right one; nearly all are found that see three lines.
+TEST(PoseTrials, HeadsAtSoccer) {
+  const TrialCount count = try_initialiser(pitch::Sport::kSoccer, kHeads, 1);
+  EXPECT_EQ(count.wrong, 0) << "seeds" << count.wrong_seeds;
+  EXPECT_GE(count.found_share(), 0.95);
+}
+
+TEST(PoseTrials, HeadsAtRugby) {
+  const TrialCount count = try_initialiser(pitch::Sport::kRugbyUnion, kHeads, 1);
+  EXPECT_EQ(count.wrong, 0) << "seeds" << count.wrong_seeds;
+  EXPECT_GE(count.found_share(), 0.93);
+}
+
+TEST(PoseTrials, FixedAtSoccer) {
+  const TrialCount count = try_survey_fixed(pitch::Sport::kSoccer, kFixed, 1);
+  EXPECT_EQ(count.wrong, 0) << "seeds" << count.wrong_seeds;
+  EXPECT_GE(count.found_share(), 0.7);
+}
+
+TEST(PoseTrials, FixedAtRugby) {
+  const TrialCount count = try_survey_fixed(pitch::Sport::kRugbyUnion, kFixed, 101);
+  EXPECT_EQ(count.wrong, 0) << "seeds" << count.wrong_seeds;
+  EXPECT_GE(count.found_share(), 0.7);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate
