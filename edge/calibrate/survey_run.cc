@@ -233,7 +233,7 @@ class Survey {
       stills_.assign(1, 0);
       bool solved = true;
       for (const double tolerance : {8.0, 5.0, 4.0})
-        solved = solved && solve(tolerance * scale_, false).converged;
+        solved = solved && solve(tolerance * scale_).converged;
       if (!solved ||
           !plausible(problem_.mount.position_in_world, side_, pitch_, options_.cold_start.bounds))
         continue;
