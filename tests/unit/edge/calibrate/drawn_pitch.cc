@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace touchline::calibrate {
 namespace {
@@ -318,14 +317,15 @@ LinesInSight lines_in_sight(const DrawnScene& scene) {
   for (const pitch::Marking& m : scene.pitch.markings) {
     if (m.shape == pitch::MarkingShape::kSpot) continue;
     double seen = 0;
-    std::optional<Vector2d> last;
+    bool joined = false;
+    Vector2d last = Vector2d::Zero();
     const int steps = std::max(8, static_cast<int>(m.length() / 0.5));
     for (int i = 0; i <= steps; ++i) {
       const double at = m.length() * i / steps;
       const Vector3d p = scene.pitch.on_turf(m.at(at));
       const auto image = geometry::project(scene.camera, p);
       if (!image || !scene.camera.model.sees(*image)) {
-        last.reset();
+        joined = false;
         continue;
       }
       // Thinner than most of a pixel it cannot be seen.
@@ -336,8 +336,9 @@ LinesInSight lines_in_sight(const DrawnScene& scene) {
       if (!side || !ahead) continue;
       const Vector2d u = (*ahead - *image).normalized();
       const double wide = 2 * std::abs(u.x() * (*side - *image).y() - u.y() * (*side - *image).x());
-      if (last && wide > 0.8) seen += (*image - *last).norm();
-      last = image;
+      if (joined && wide > 0.8) seen += (*image - last).norm();
+      joined = true;
+      last = *image;
     }
     if (seen < kWidth / 16.0) continue;
     ++out.lines;

@@ -1,5 +1,7 @@
 #include "tests/unit/edge/calibrate/pose_trials.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <optional>
 #include <random>
@@ -33,7 +35,7 @@ TrialCount count(pitch::Sport sport, bool fixed, int trials, std::uint32_t first
     if (estimate) ++out.found;
     if (wrong) {
       ++out.wrong;
-      out.wrong_seeds += " " + std::to_string(seed);
+      out.wrong_seeds += fmt::format(" {}", seed);
     }
     if (in_sight && estimate && !wrong) ++out.found_in_sight;
   }
