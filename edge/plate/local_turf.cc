@@ -40,8 +40,10 @@ Sums sums_of(const std::vector<std::uint8_t>& zones, const TileSamples& samples,
     const std::size_t start =
         static_cast<std::size_t>(y) * kRow + static_cast<std::size_t>(i) * kBlock;
     for (std::size_t x = start; x < start + kBlock; ++x) {
-      const bool turf = (zones[x] == kTurf) & ((colours[x] & TurfColour::kIsTurf) != 0);
-      const std::uint32_t one = turf ? samples.inside[x] : 0U;
+      // Without a branch: the loop runs in lanes.
+      const int turf = static_cast<int>(zones[x] == kTurf) &
+                       static_cast<int>((colours[x] & TurfColour::kIsTurf) != 0);
+      const std::uint32_t one = turf != 0 ? samples.inside[x] : 0U;
       luma += one * samples.y[x];
       cb += one * samples.cb[x];
       cr += one * samples.cr[x];
