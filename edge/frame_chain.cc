@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "edge/chain_internal.h"
 #include "edge/compensate/compensator.h"
 
 namespace touchline::edge {
@@ -15,20 +16,6 @@ namespace {
 constexpr double kPlateSdPx = 1;  // of a picture that the plate learns from, at 1080 lines
 
 enum Stage { kCompensate, kSurvey, kCalibrate, kPlate, kKey, kEncode };
-
-base::Status out_of_bounds(const char* field, double value, const char* bound) {
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is out of bounds", value),
-                    fmt::format("use a value in {}", bound));
-}
-
-// `count` indices spread over 0 .. size - 1, rising and distinct.
-std::vector<std::size_t> spread(std::size_t size, int count) {
-  std::vector<std::size_t> indices;
-  const std::size_t n = std::min(size, static_cast<std::size_t>(std::max(count, 1)));
-  for (std::size_t i = 0; i < n; ++i) indices.push_back(n == 1 ? 0 : i * (size - 1) / (n - 1));
-  return indices;
-}
 
 compensate::Compensator compensator_of(const compensate::DetailOptions& options,
                                        const std::vector<image::FramePtr>& frames, int looked_at,

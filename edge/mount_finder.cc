@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "edge/chain_internal.h"
+
 namespace touchline::edge {
 namespace {
 
@@ -21,20 +23,6 @@ constexpr double kMostSizesWait_s = 60;
 constexpr int kTakePasses = 4;         // over the held frames, for the survey of a take
 constexpr double kTakeMisfitPx = 0.3;  // rms of a mount's lines at 1080 lines, to look for a better
 constexpr double kTakeMisfit = 1.3;    // and so much more than the better one's
-
-base::Status out_of_bounds(const char* field, double value, const char* bound) {
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is out of bounds", value),
-                    fmt::format("use a value in {}", bound));
-}
-
-// Indices of `count` pictures spread over all of them, rising and distinct.
-std::vector<std::size_t> spread(std::size_t size, int count) {
-  std::vector<std::size_t> indices;
-  const std::size_t n = std::min(size, static_cast<std::size_t>(std::max(count, 1)));
-  for (std::size_t i = 0; i < n; ++i) indices.push_back(n == 1 ? 0 : i * (size - 1) / (n - 1));
-  return indices;
-}
 
 // The first mount of a head from one picture, the usual sizes of a pitch first: one picture tells
 // little of them. Then with those that nobody measured free, if they come out like a pitch's.
