@@ -34,11 +34,12 @@ TEST(PoseTrials, FixedAtSoccer) {
   EXPECT_GE(count.found_share(), 0.7);
 }
 
-// One of these cameras sees a single line each way, which fits in more than one place; it is not
-// told from the right one yet.
+// The camera of seed 10 sees few lines, nearly all in one direction, which fit in more than one
+// place; it is found in the wrong one still. No other may be.
 TEST(PoseTrials, FixedAtRugby) {
   const TrialCount count = try_survey_fixed(pitch::Sport::kRugbyUnion, kFixed, 1);
-  EXPECT_LE(count.wrong, 1) << "seeds" << count.wrong_seeds;
+  EXPECT_TRUE(count.wrong_seeds.empty() || count.wrong_seeds == " 10")
+      << "seeds" << count.wrong_seeds;
   EXPECT_GE(count.found_share(), 0.7);
 }
 
