@@ -9,6 +9,7 @@
 
 #include "edge/chain_internal.h"
 #include "edge/compensate/compensator.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::edge {
 namespace {
@@ -30,13 +31,13 @@ compensate::Compensator compensator_of(const compensate::DetailOptions& options,
 
 base::Status ChainOptions::validate() const {
   if (!(hold_back_s >= 0 && hold_back_s <= 2))
-    return out_of_bounds("hold_back_s", hold_back_s, "0..2");
+    return base::out_of_bounds("hold_back_s", hold_back_s, "in 0..2");
   if (hold_back_mib < 16 || hold_back_mib > 65536)
-    return out_of_bounds("hold_back_mib", hold_back_mib, "16..65536");
+    return base::out_of_bounds("hold_back_mib", hold_back_mib, "in 16..65536");
   if (detail_frames < 1 || detail_frames > 50)
-    return out_of_bounds("detail_frames", detail_frames, "1..50");
+    return base::out_of_bounds("detail_frames", detail_frames, "in 1..50");
   if (plate_publish_frames < 1 || plate_publish_frames > 100000) {
-    return out_of_bounds("plate_publish_frames", plate_publish_frames, "1..100000");
+    return base::out_of_bounds("plate_publish_frames", plate_publish_frames, "in 1..100000");
   }
   for (const base::Status& part :
        {detail.validate(), mount.validate(), head.validate(), plate.validate(), key.validate(),

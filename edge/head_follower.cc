@@ -6,20 +6,15 @@
 #include <numbers>
 
 #include "edge/calibrate/pose_fit.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::edge {
 
 base::Status HeadOptions::validate() const {
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field,
-                      fmt::format("{} is out of bounds", value),
-                      fmt::format("use a value in {}..{}", least, most));
-  };
   if (base::Status status = model.validate(); !status) return status;
-  if (base::Status status = check("head.most_px", most_px, 0.1, 100); !status) return status;
-  return check("head.roll_sd_deg", roll_sd_deg, 0, 5);
+  if (base::Status status = base::in_bounds("head.most_px", most_px, 0.1, 100); !status)
+    return status;
+  return base::in_bounds("head.roll_sd_deg", roll_sd_deg, 0, 5);
 }
 
 void HeadFollower::observe(const std::optional<head::HeadCounts>& counts) {

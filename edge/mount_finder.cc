@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "edge/chain_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::edge {
 namespace {
@@ -76,9 +77,10 @@ std::unique_ptr<calibrate::Calibrator> calibrator_of(
 }  // namespace
 
 base::Status MountOptions::validate() const {
-  if (!(retry_s >= 0.1 && retry_s <= 3600)) return out_of_bounds("retry_s", retry_s, "0.1..3600");
+  if (!(retry_s >= 0.1 && retry_s <= 3600))
+    return base::out_of_bounds("retry_s", retry_s, "in 0.1..3600");
   if (fixed_frames < 1 || fixed_frames > 64)
-    return out_of_bounds("fixed_frames", fixed_frames, "1..64");
+    return base::out_of_bounds("fixed_frames", fixed_frames, "in 1..64");
   for (const base::Status& part : {survey.validate(), take.validate(), calibrate.validate()}) {
     if (!part) return part;
   }

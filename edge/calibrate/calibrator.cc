@@ -9,6 +9,7 @@
 
 #include "edge/calibrate/head_motion_internal.h"
 #include "edge/calibrate/line_check.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -334,10 +335,6 @@ base::Status CalibrateOptions::validate() const {
   if (const auto status = line_map.validate(); !status) return status;
   if (const auto status = initialise.validate(); !status) return status;
   if (const auto status = texture.validate(); !status) return status;
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("CalibrateOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
   const std::array<std::pair<const char*, double>, 12> positive{
       {{"pan_acceleration_deg", pan_acceleration_deg},
        {"tilt_acceleration_deg", tilt_acceleration_deg},
@@ -352,17 +349,20 @@ base::Status CalibrateOptions::validate() const {
        {"weak_lines_px", weak_lines_px},
        {"least_helping_px", least_helping_px}}};
   for (const auto& [field, value] : positive)
-    if (!(value > 0)) return bad(field, value, "above 0");
-  if (!(fixed_drift_deg >= 0)) return bad("fixed_drift_deg", fixed_drift_deg, "at least 0");
-  if (!(coast_s >= 0)) return bad("coast_s", coast_s, "at least 0");
-  if (!(search_period_s >= 0)) return bad("search_period_s", search_period_s, "at least 0");
-  if (!(check_period_s >= 0)) return bad("check_period_s", check_period_s, "at least 0");
+    if (!(value > 0)) return base::out_of_bounds(field, value, "above 0");
+  if (!(fixed_drift_deg >= 0))
+    return base::out_of_bounds("fixed_drift_deg", fixed_drift_deg, "at least 0");
+  if (!(coast_s >= 0)) return base::out_of_bounds("coast_s", coast_s, "at least 0");
+  if (!(search_period_s >= 0))
+    return base::out_of_bounds("search_period_s", search_period_s, "at least 0");
+  if (!(check_period_s >= 0))
+    return base::out_of_bounds("check_period_s", check_period_s, "at least 0");
   if (!(least_explained >= 0 && least_explained <= 1))
-    return bad("least_explained", least_explained, "in [0, 1]");
+    return base::out_of_bounds("least_explained", least_explained, "in [0, 1]");
   if (least_explain_points < 1)
-    return bad("least_explain_points", least_explain_points, "at least 1");
+    return base::out_of_bounds("least_explain_points", least_explain_points, "at least 1");
   if (least_helping_points < 3)
-    return bad("least_helping_points", least_helping_points, "at least 3");
+    return base::out_of_bounds("least_helping_points", least_helping_points, "at least 3");
   return {};
 }
 

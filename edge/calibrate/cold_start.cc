@@ -1,7 +1,5 @@
 #include "edge/calibrate/cold_start.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "edge/calibrate/cold_circle_internal.h"
 #include "edge/calibrate/pose_score_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -437,19 +436,14 @@ class Search {
 }  // namespace
 
 base::Status ColdStartOptions::validate() const {
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
-                      fmt::format("must be {} to {}", least, most));
-  };
   for (const base::Status& status :
-       {check("least_focal", least_focal, 0.2, 20),
-        check("most_focal", most_focal, least_focal, 40),
-        check("most_roll_deg", most_roll_deg, 0.01, 20), check("lines", lines, 3, 40),
-        check("refined", refined, 1, 2000), check("kept", kept, 1, 1000),
-        check("least_confirmed", least_confirmed, 0, 1),
-        check("least_explained", least_explained, 0, 1)})
+       {base::in_bounds("least_focal", least_focal, 0.2, 20),
+        base::in_bounds("most_focal", most_focal, least_focal, 40),
+        base::in_bounds("most_roll_deg", most_roll_deg, 0.01, 20),
+        base::in_bounds("lines", lines, 3, 40), base::in_bounds("refined", refined, 1, 2000),
+        base::in_bounds("kept", kept, 1, 1000),
+        base::in_bounds("least_confirmed", least_confirmed, 0, 1),
+        base::in_bounds("least_explained", least_explained, 0, 1)})
     if (!status) return status;
   return {};
 }

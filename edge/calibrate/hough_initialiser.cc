@@ -1,7 +1,5 @@
 #include "edge/calibrate/hough_initialiser.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "edge/calibrate/pose_score_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -380,24 +379,20 @@ std::optional<geometry::CameraEstimate> Initialiser::find(const LineMap& map,
 }
 
 base::Status InitialiseOptions::validate() const {
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
-                      fmt::format("must be {} to {}", least, most));
-  };
   for (const base::Status& status :
-       {check("least_focal", least_focal, 0.2, 40),
-        check("most_focal", most_focal, least_focal, 80),
-        check("focal_step", focal_step, 0.002, 0.5),
-        check("least_tilt_deg", least_tilt_deg, -90, 90),
-        check("most_tilt_deg", most_tilt_deg, least_tilt_deg, 90),
-        check("refined", refined, 1, 5000), check("least_confirmed", least_confirmed, 0, 1),
-        check("least_explained", least_explained, 0, 1),
-        check("least_seen_m", least_seen_m, 0, 1000), check("least_score", least_score, 0, 1),
-        check("least_lead_px", least_lead_px, 0, 10000),
-        check("most_sigma_px", most_sigma_px, 0.05, 1000),
-        check("most_rms_px", most_rms_px, 0.05, 50)})
+       {base::in_bounds("least_focal", least_focal, 0.2, 40),
+        base::in_bounds("most_focal", most_focal, least_focal, 80),
+        base::in_bounds("focal_step", focal_step, 0.002, 0.5),
+        base::in_bounds("least_tilt_deg", least_tilt_deg, -90, 90),
+        base::in_bounds("most_tilt_deg", most_tilt_deg, least_tilt_deg, 90),
+        base::in_bounds("refined", refined, 1, 5000),
+        base::in_bounds("least_confirmed", least_confirmed, 0, 1),
+        base::in_bounds("least_explained", least_explained, 0, 1),
+        base::in_bounds("least_seen_m", least_seen_m, 0, 1000),
+        base::in_bounds("least_score", least_score, 0, 1),
+        base::in_bounds("least_lead_px", least_lead_px, 0, 10000),
+        base::in_bounds("most_sigma_px", most_sigma_px, 0.05, 1000),
+        base::in_bounds("most_rms_px", most_rms_px, 0.05, 50)})
     if (!status) return status;
   return {};
 }

@@ -1,20 +1,13 @@
 #include "edge/calibrate/line_map.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "edge/calibrate/ridges_internal.h"
 #include "edge/calibrate/turf_mask_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
-
-base::Status within(const char* field, double value, double least, double most) {
-  if (value >= least && value <= most) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
-                    fmt::format("must be {} to {}", least, most));
-}
 
 // The nearest point a cell, passed on from neighbour to neighbour in two sweeps.
 image::Image<std::int32_t> nearest_points(const std::vector<RidgePoint>& points, int width,
@@ -102,14 +95,15 @@ image::Image<float> line_strength(const TurfMask& turf, const std::vector<RidgeP
 
 base::Status LineMapOptions::validate() const {
   for (const base::Status& status :
-       {within("turf_hue_deg", turf_hue_deg, 5, 60),
-        within("turf_saturation", turf_saturation, 0.05, 0.9),
-        within("least_contrast", least_contrast, 4, 400),
-        within("noise_factor", noise_factor, 1, 20),
-        within("least_chain_px", least_chain_px, 6, 200),
-        within("line_tolerance_px", line_tolerance_px, 0.5, 12),
-        within("least_line_points", least_line_points, 8, 1000),
-        within("most_lines", most_lines, 1, 200), within("reach_px", reach_px, 4, 100)})
+       {base::in_bounds("turf_hue_deg", turf_hue_deg, 5, 60),
+        base::in_bounds("turf_saturation", turf_saturation, 0.05, 0.9),
+        base::in_bounds("least_contrast", least_contrast, 4, 400),
+        base::in_bounds("noise_factor", noise_factor, 1, 20),
+        base::in_bounds("least_chain_px", least_chain_px, 6, 200),
+        base::in_bounds("line_tolerance_px", line_tolerance_px, 0.5, 12),
+        base::in_bounds("least_line_points", least_line_points, 8, 1000),
+        base::in_bounds("most_lines", most_lines, 1, 200),
+        base::in_bounds("reach_px", reach_px, 4, 100)})
     if (!status) return status;
   return {};
 }

@@ -1,12 +1,11 @@
 #include "edge/calibrate/line_points.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "edge/calibrate/line_profile_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -251,24 +250,26 @@ class WindowPlacer {
 }  // namespace
 
 base::Status LinePointOptions::validate() const {
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("LinePointOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
-  if (!(step_px >= 1)) return bad("step_px", step_px, "at least 1");
-  if (most_windows < 10) return bad("most_windows", most_windows, "at least 10");
-  if (!(search_px >= 1)) return bad("search_px", search_px, "at least 1");
-  if (!(search_sigmas >= 0)) return bad("search_sigmas", search_sigmas, "at least 0");
+  if (!(step_px >= 1)) return base::out_of_bounds("step_px", step_px, "at least 1");
+  if (most_windows < 10) return base::out_of_bounds("most_windows", most_windows, "at least 10");
+  if (!(search_px >= 1)) return base::out_of_bounds("search_px", search_px, "at least 1");
+  if (!(search_sigmas >= 0))
+    return base::out_of_bounds("search_sigmas", search_sigmas, "at least 0");
   if (!(most_search_px >= search_px))
-    return bad("most_search_px", most_search_px, "at least search_px");
-  if (!(blur_px > 0.1 && blur_px < 5)) return bad("blur_px", blur_px, "between 0.1 and 5");
-  if (!(least_width_px > 0)) return bad("least_width_px", least_width_px, "above 0");
+    return base::out_of_bounds("most_search_px", most_search_px, "at least search_px");
+  if (!(blur_px > 0.1 && blur_px < 5))
+    return base::out_of_bounds("blur_px", blur_px, "between 0.1 and 5");
+  if (!(least_width_px > 0))
+    return base::out_of_bounds("least_width_px", least_width_px, "above 0");
   if (!(most_width_px > least_width_px))
-    return bad("most_width_px", most_width_px, "above least_width_px");
-  if (!(least_contrast > 0)) return bad("least_contrast", least_contrast, "above 0");
-  if (!(noise_factor >= 0)) return bad("noise_factor", noise_factor, "at least 0");
-  if (!(least_match >= 0 && least_match < 1)) return bad("least_match", least_match, "in [0, 1)");
-  if (!(sigma_floor_px > 0)) return bad("sigma_floor_px", sigma_floor_px, "above 0");
+    return base::out_of_bounds("most_width_px", most_width_px, "above least_width_px");
+  if (!(least_contrast > 0))
+    return base::out_of_bounds("least_contrast", least_contrast, "above 0");
+  if (!(noise_factor >= 0)) return base::out_of_bounds("noise_factor", noise_factor, "at least 0");
+  if (!(least_match >= 0 && least_match < 1))
+    return base::out_of_bounds("least_match", least_match, "in [0, 1)");
+  if (!(sigma_floor_px > 0))
+    return base::out_of_bounds("sigma_floor_px", sigma_floor_px, "above 0");
   return {};
 }
 

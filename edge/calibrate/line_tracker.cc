@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "shared/base/bounds.h"
+
 namespace touchline::calibrate {
 namespace {
 
@@ -36,21 +38,22 @@ std::string shortcoming(const PoseFit& fit, const TrackOptions& options, double 
 base::Status TrackOptions::validate() const {
   if (const auto status = points.validate(); !status) return status;
   if (const auto status = fit.validate(); !status) return status;
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("TrackOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
-  if (!(refine_search_px >= 1)) return bad("refine_search_px", refine_search_px, "at least 1");
+  if (!(refine_search_px >= 1))
+    return base::out_of_bounds("refine_search_px", refine_search_px, "at least 1");
   if (!(repeat_below >= 0 && repeat_below <= 1))
-    return bad("repeat_below", repeat_below, "in [0, 1]");
-  if (least_points < 4) return bad("least_points", least_points, "at least 4");
+    return base::out_of_bounds("repeat_below", repeat_below, "in [0, 1]");
+  if (least_points < 4) return base::out_of_bounds("least_points", least_points, "at least 4");
   if (!(least_confirmed >= 0 && least_confirmed <= 1))
-    return bad("least_confirmed", least_confirmed, "in [0, 1]");
-  if (!(least_seen_px >= 0)) return bad("least_seen_px", least_seen_px, "at least 0");
-  if (!(most_rms_px > 0)) return bad("most_rms_px", most_rms_px, "above 0");
-  if (!(most_pan_sd_deg > 0)) return bad("most_pan_sd_deg", most_pan_sd_deg, "above 0");
-  if (!(most_tilt_sd_deg > 0)) return bad("most_tilt_sd_deg", most_tilt_sd_deg, "above 0");
-  if (!(most_log_focal_sd > 0)) return bad("most_log_focal_sd", most_log_focal_sd, "above 0");
+    return base::out_of_bounds("least_confirmed", least_confirmed, "in [0, 1]");
+  if (!(least_seen_px >= 0))
+    return base::out_of_bounds("least_seen_px", least_seen_px, "at least 0");
+  if (!(most_rms_px > 0)) return base::out_of_bounds("most_rms_px", most_rms_px, "above 0");
+  if (!(most_pan_sd_deg > 0))
+    return base::out_of_bounds("most_pan_sd_deg", most_pan_sd_deg, "above 0");
+  if (!(most_tilt_sd_deg > 0))
+    return base::out_of_bounds("most_tilt_sd_deg", most_tilt_sd_deg, "above 0");
+  if (!(most_log_focal_sd > 0))
+    return base::out_of_bounds("most_log_focal_sd", most_log_focal_sd, "above 0");
   return {};
 }
 

@@ -15,6 +15,7 @@
 #include "edge/calibrate/pose_fit.h"
 #include "edge/calibrate/texture_fit_internal.h"
 #include "edge/calibrate/texture_track_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -255,10 +256,6 @@ struct PlateRegistration::State {
 };
 
 base::Status RegistrationOptions::validate() const {
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("RegistrationOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
   const std::array<std::pair<const char*, double>, 11> positive{
       {{"pan_sd_deg", pan_sd_deg},
        {"tilt_sd_deg", tilt_sd_deg},
@@ -272,20 +269,24 @@ base::Status RegistrationOptions::validate() const {
        {"plate_sd_px", plate_sd_px},
        {"most_plate_deviation", most_plate_deviation}}};
   for (const auto& [field, value] : positive)
-    if (!(value > 0)) return bad(field, value, "above 0");
+    if (!(value > 0)) return base::out_of_bounds(field, value, "above 0");
   if (!(least_correlation > 0 && least_correlation < 1))
-    return bad("least_correlation", least_correlation, "between 0 and 1");
-  if (!(least_share > 0 && least_share <= 1)) return bad("least_share", least_share, "in (0, 1]");
+    return base::out_of_bounds("least_correlation", least_correlation, "between 0 and 1");
+  if (!(least_share > 0 && least_share <= 1))
+    return base::out_of_bounds("least_share", least_share, "in (0, 1]");
   if (!(least_overlap > 0 && least_overlap <= 1))
-    return bad("least_overlap", least_overlap, "in (0, 1]");
-  if (!(zoom_step > 1)) return bad("zoom_step", zoom_step, "above 1");
-  if (!(point_correlation >= 1)) return bad("point_correlation", point_correlation, "at least 1");
-  if (least_supporting < 4) return bad("least_supporting", least_supporting, "at least 4");
+    return base::out_of_bounds("least_overlap", least_overlap, "in (0, 1]");
+  if (!(zoom_step > 1)) return base::out_of_bounds("zoom_step", zoom_step, "above 1");
+  if (!(point_correlation >= 1))
+    return base::out_of_bounds("point_correlation", point_correlation, "at least 1");
+  if (least_supporting < 4)
+    return base::out_of_bounds("least_supporting", least_supporting, "at least 4");
   if (most_points < least_supporting)
-    return bad("most_points", most_points, "at least least_supporting");
-  if (most_views < 2 || most_views > 200) return bad("most_views", most_views, "in 2..200");
+    return base::out_of_bounds("most_points", most_points, "at least least_supporting");
+  if (most_views < 2 || most_views > 200)
+    return base::out_of_bounds("most_views", most_views, "in 2..200");
   if (least_plate_count < 1 || least_plate_count > 255)
-    return bad("least_plate_count", least_plate_count, "in 1..255");
+    return base::out_of_bounds("least_plate_count", least_plate_count, "in 1..255");
   return {};
 }
 

@@ -1,7 +1,5 @@
 #include "edge/calibrate/pose_fit.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "edge/calibrate/pose_covariance_internal.h"
 #include "edge/calibrate/pose_model_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -424,23 +423,23 @@ class Fitter {
 }  // namespace
 
 base::Status PoseFitOptions::validate() const {
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("PoseFitOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
-  if (!(pan_sd_deg > 0)) return bad("pan_sd_deg", pan_sd_deg, "above 0");
-  if (!(tilt_sd_deg > 0)) return bad("tilt_sd_deg", tilt_sd_deg, "above 0");
-  if (!(log_focal_sd > 0)) return bad("log_focal_sd", log_focal_sd, "above 0");
-  if (!(std::abs(roll_mean_deg) <= 45)) return bad("roll_mean_deg", roll_mean_deg, "within 45");
-  if (!(roll_sd_deg > 0)) return bad("roll_sd_deg", roll_sd_deg, "above 0");
-  if (!(position_sd_m >= 0)) return bad("position_sd_m", position_sd_m, "at least 0");
-  if (!(lens_sd >= 0)) return bad("lens_sd", lens_sd, "at least 0");
-  if (hypotheses < 0) return bad("hypotheses", hypotheses, "at least 0");
-  if (!(inlier_px > 0)) return bad("inlier_px", inlier_px, "above 0");
-  if (!(cauchy_px > 0)) return bad("cauchy_px", cauchy_px, "above 0");
-  if (!(outlier_px > 0)) return bad("outlier_px", outlier_px, "above 0");
-  if (most_iterations < 1) return bad("most_iterations", most_iterations, "at least 1");
-  if (!(point_correlation >= 1)) return bad("point_correlation", point_correlation, "at least 1");
+  if (!(pan_sd_deg > 0)) return base::out_of_bounds("pan_sd_deg", pan_sd_deg, "above 0");
+  if (!(tilt_sd_deg > 0)) return base::out_of_bounds("tilt_sd_deg", tilt_sd_deg, "above 0");
+  if (!(log_focal_sd > 0)) return base::out_of_bounds("log_focal_sd", log_focal_sd, "above 0");
+  if (!(std::abs(roll_mean_deg) <= 45))
+    return base::out_of_bounds("roll_mean_deg", roll_mean_deg, "within 45");
+  if (!(roll_sd_deg > 0)) return base::out_of_bounds("roll_sd_deg", roll_sd_deg, "above 0");
+  if (!(position_sd_m >= 0))
+    return base::out_of_bounds("position_sd_m", position_sd_m, "at least 0");
+  if (!(lens_sd >= 0)) return base::out_of_bounds("lens_sd", lens_sd, "at least 0");
+  if (hypotheses < 0) return base::out_of_bounds("hypotheses", hypotheses, "at least 0");
+  if (!(inlier_px > 0)) return base::out_of_bounds("inlier_px", inlier_px, "above 0");
+  if (!(cauchy_px > 0)) return base::out_of_bounds("cauchy_px", cauchy_px, "above 0");
+  if (!(outlier_px > 0)) return base::out_of_bounds("outlier_px", outlier_px, "above 0");
+  if (most_iterations < 1)
+    return base::out_of_bounds("most_iterations", most_iterations, "at least 1");
+  if (!(point_correlation >= 1))
+    return base::out_of_bounds("point_correlation", point_correlation, "at least 1");
   return {};
 }
 

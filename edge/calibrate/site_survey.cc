@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "edge/calibrate/survey_run_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -40,15 +41,11 @@ double sigmas(const Eigen::Vector3d& off, const Eigen::Matrix3d& covariance) {
 
 base::Status SiteSurveyOptions::validate() const {
   if (auto status = survey.validate(); !status) return status;
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
-                      fmt::format("must be {} to {}", least, most));
-  };
   for (const base::Status& status :
-       {check("passes", passes, 1, 20), check("measured_sigma_m", measured_sigma_m, 0.001, 1),
-        check("common_sigma_m", common_sigma_m, 0, 1), check("most_sigmas", most_sigmas, 1, 100)})
+       {base::in_bounds("passes", passes, 1, 20),
+        base::in_bounds("measured_sigma_m", measured_sigma_m, 0.001, 1),
+        base::in_bounds("common_sigma_m", common_sigma_m, 0, 1),
+        base::in_bounds("most_sigmas", most_sigmas, 1, 100)})
     if (!status) return status;
   return {};
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "edge/calibrate/survey_run_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -79,23 +80,20 @@ base::Status SurveyOptions::validate() const {
   if (auto status = line_map.validate(); !status) return status;
   if (auto status = cold_start.validate(); !status) return status;
   if (auto status = initialise.validate(); !status) return status;
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field, fmt::format("is {}", value),
-                      fmt::format("must be {} to {}", least, most));
-  };
   for (const base::Status& status :
-       {check("least_stills", least_stills, 1, 1000),
-        check("principal_prior_px", principal_prior_px, 0.01, 1000),
-        check("level_prior_deg", level_prior_deg, 0.001, 10),
-        check("roll_prior_deg", roll_prior_deg, 0.0001, 10),
-        check("fixed_roll_prior_deg", fixed_roll_prior_deg, 0.001, 30),
-        check("pupil_prior_m", pupil_prior_m, 0, 10), check("shift_prior", shift_prior, 0.0001, 1),
-        check("lens_knots", lens_knots, 1, 16), check("point_sigma_px", point_sigma_px, 0.01, 10),
-        check("most_rms_px", most_rms_px, 0.05, 20),
-        check("size_tolerance_m", size_tolerance_m, 0.005, 100),
-        check("crown_sigma_m", crown_sigma_m, 0.001, 1), check("rounds", rounds, 2, 20)})
+       {base::in_bounds("least_stills", least_stills, 1, 1000),
+        base::in_bounds("principal_prior_px", principal_prior_px, 0.01, 1000),
+        base::in_bounds("level_prior_deg", level_prior_deg, 0.001, 10),
+        base::in_bounds("roll_prior_deg", roll_prior_deg, 0.0001, 10),
+        base::in_bounds("fixed_roll_prior_deg", fixed_roll_prior_deg, 0.001, 30),
+        base::in_bounds("pupil_prior_m", pupil_prior_m, 0, 10),
+        base::in_bounds("shift_prior", shift_prior, 0.0001, 1),
+        base::in_bounds("lens_knots", lens_knots, 1, 16),
+        base::in_bounds("point_sigma_px", point_sigma_px, 0.01, 10),
+        base::in_bounds("most_rms_px", most_rms_px, 0.05, 20),
+        base::in_bounds("size_tolerance_m", size_tolerance_m, 0.005, 100),
+        base::in_bounds("crown_sigma_m", crown_sigma_m, 0.001, 1),
+        base::in_bounds("rounds", rounds, 2, 20)})
     if (!status) return status;
   return {};
 }

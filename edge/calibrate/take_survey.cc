@@ -1,7 +1,5 @@
 #include "edge/calibrate/take_survey.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "edge/calibrate/hough_initialiser.h"
 #include "edge/calibrate/pose_fit.h"
 #include "edge/calibrate/survey_solve.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -126,20 +125,19 @@ Eigen::Array<bool, 3, 1> unstated(const SurveyOptions& options) {
 base::Status TakeSurveyOptions::validate() const {
   if (auto status = survey.validate(); !status) return status;
   if (auto status = points.validate(); !status) return status;
-  const auto bad = [](const char* field, double value, const char* bound) {
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("TakeSurveyOptions.{}", field),
-                      fmt::format("{} is not {}", value, bound));
-  };
-  if (!(spacing > 0.005 && spacing < 1)) return bad("spacing", spacing, "in 0.005..1");
-  if (least_key_frames < 2) return bad("least_key_frames", least_key_frames, "at least 2");
+  if (!(spacing > 0.005 && spacing < 1))
+    return base::out_of_bounds("spacing", spacing, "in 0.005..1");
+  if (least_key_frames < 2)
+    return base::out_of_bounds("least_key_frames", least_key_frames, "at least 2");
   if (most_key_frames < least_key_frames)
-    return bad("most_key_frames", most_key_frames, "at least least_key_frames");
-  if (points_a_frame < 20) return bad("points_a_frame", points_a_frame, "at least 20");
-  if (!(search_px >= 1)) return bad("search_px", search_px, "at least 1");
-  if (!(outlier_px > 0)) return bad("outlier_px", outlier_px, "above 0");
-  if (least_points < 8) return bad("least_points", least_points, "at least 8");
-  if (!(size_prior_m > 0)) return bad("size_prior_m", size_prior_m, "above 0");
-  if (!(found_size_m > 0)) return bad("found_size_m", found_size_m, "above 0");
+    return base::out_of_bounds("most_key_frames", most_key_frames, "at least least_key_frames");
+  if (points_a_frame < 20)
+    return base::out_of_bounds("points_a_frame", points_a_frame, "at least 20");
+  if (!(search_px >= 1)) return base::out_of_bounds("search_px", search_px, "at least 1");
+  if (!(outlier_px > 0)) return base::out_of_bounds("outlier_px", outlier_px, "above 0");
+  if (least_points < 8) return base::out_of_bounds("least_points", least_points, "at least 8");
+  if (!(size_prior_m > 0)) return base::out_of_bounds("size_prior_m", size_prior_m, "above 0");
+  if (!(found_size_m > 0)) return base::out_of_bounds("found_size_m", found_size_m, "above 0");
   return {};
 }
 

@@ -1,7 +1,5 @@
 #include "edge/compensate/detail_estimator.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "edge/compensate/detail_fit.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::compensate {
 namespace {
@@ -21,19 +20,13 @@ std::size_t angle_class(const EdgeProfile& e) {
   return std::min(kAngles - 1, static_cast<std::size_t>(share * kAngles));
 }
 
-base::Status in_bounds(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is outside {}..{}", value, low, high), "correct the value");
-}
-
 }  // namespace
 
 base::Status DetailOptions::validate() const {
-  for (const auto& s : {in_bounds("edges_per_frame", edges_per_frame, 8, 10000),
-                        in_bounds("step_codes", step_codes, 10, 500),
-                        in_bounds("edges_needed", edges_needed, 4, 100000),
-                        in_bounds("least_boost", least_boost, 0, 0.2)})
+  for (const auto& s : {base::in_bounds("edges_per_frame", edges_per_frame, 8, 10000),
+                        base::in_bounds("step_codes", step_codes, 10, 500),
+                        base::in_bounds("edges_needed", edges_needed, 4, 100000),
+                        base::in_bounds("least_boost", least_boost, 0, 0.2)})
     if (!s) return s;
   return {};
 }

@@ -1,33 +1,24 @@
 #include "edge/encode/assemble.h"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "edge/encode/depths.h"
 #include "edge/encode/features.h"
 #include "edge/encode/silhouettes.h"
 #include "edge/encode/tile_places.h"
+#include "shared/base/bounds.h"
 #include "shared/image/colour.h"
 
 namespace touchline::encode {
-namespace {
-
-base::Status check(const char* field, double value, double least, double most) {
-  if (value >= least && value <= most) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is outside {}..{}", value, least, most));
-}
-
-}  // namespace
 
 base::Status EncodeOptions::validate() const {
-  for (const base::Status& status :
-       {check("simplify_px", simplify_px, 0, 0.5), check("tile_margin_px", tile_margin_px, 0, 64),
-        check("tile_unknown_px", tile_unknown_px, 0, 256),
-        check("max_features", max_features, 0, 200), check("tallest_m", tallest_m, 1, 5),
-        check("ball_height_m", ball_height_m, tallest_m, 60),
-        check("surround_m", surround_m, 0, 100)}) {
+  for (const base::Status& status : {base::in_bounds("simplify_px", simplify_px, 0, 0.5),
+                                     base::in_bounds("tile_margin_px", tile_margin_px, 0, 64),
+                                     base::in_bounds("tile_unknown_px", tile_unknown_px, 0, 256),
+                                     base::in_bounds("max_features", max_features, 0, 200),
+                                     base::in_bounds("tallest_m", tallest_m, 1, 5),
+                                     base::in_bounds("ball_height_m", ball_height_m, tallest_m, 60),
+                                     base::in_bounds("surround_m", surround_m, 0, 100)}) {
     if (!status) return status;
   }
   return {};

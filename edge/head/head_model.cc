@@ -6,17 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "shared/base/bounds.h"
+
 namespace touchline::head {
 namespace {
 
 constexpr int kRolls = 50;  // frames over which the roll is averaged
-
-base::Status check(const char* field, double value, double least, double most) {
-  if (value >= least && value <= most) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is out of bounds", value),
-                    fmt::format("use a value in {}..{}", least, most));
-}
 
 }  // namespace
 
@@ -27,19 +22,20 @@ base::Status HeadModelOptions::validate() const {
       return fmt::format("{}.{}", is_pan ? "pan" : "tilt", what);
     };
     for (const base::Status& status :
-         {check(field("least_samples").c_str(), axis->least_samples, 6, 1000),
-          check(field("most_sd").c_str(), axis->most_sd, 1e-6, 1),
-          check(field("floor_sd").c_str(), axis->floor_sd, 1e-9, 1),
-          check(field("bias_sd").c_str(), axis->bias_sd, 0, 1),
-          check(field("most_slips").c_str(), axis->most_slips, 0, 1000)}) {
+         {base::in_bounds(field("least_samples"), axis->least_samples, 6, 1000),
+          base::in_bounds(field("most_sd"), axis->most_sd, 1e-6, 1),
+          base::in_bounds(field("floor_sd"), axis->floor_sd, 1e-9, 1),
+          base::in_bounds(field("bias_sd"), axis->bias_sd, 0, 1),
+          base::in_bounds(field("most_slips"), axis->most_slips, 0, 1000)}) {
       if (!status) return status;
     }
   }
   for (const base::Status& status :
-       {check("zoom.least_samples", zoom.least_samples, 6, 1000),
-        check("zoom.most_sd", zoom.most_sd, 1e-6, 1),
-        check("zoom.floor_sd", zoom.floor_sd, 1e-9, 1), check("zoom.slope", zoom.slope, 1e-6, 1),
-        check("zoom.most_slips", zoom.most_slips, 0, 1000)}) {
+       {base::in_bounds("zoom.least_samples", zoom.least_samples, 6, 1000),
+        base::in_bounds("zoom.most_sd", zoom.most_sd, 1e-6, 1),
+        base::in_bounds("zoom.floor_sd", zoom.floor_sd, 1e-9, 1),
+        base::in_bounds("zoom.slope", zoom.slope, 1e-6, 1),
+        base::in_bounds("zoom.most_slips", zoom.most_slips, 0, 1000)}) {
     if (!status) return status;
   }
   return {};

@@ -1,7 +1,5 @@
 #include "edge/key/key.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -12,6 +10,7 @@
 #include "edge/key/plate_warp.h"
 #include "edge/key/soft_alpha.h"
 #include "edge/key/volume.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::key {
 namespace {
@@ -30,24 +29,19 @@ KeyOptions bounded(KeyOptions o) {
   return o;
 }
 
-base::Status in_bounds(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is outside {}..{}", value, low, high), "correct the value");
-}
-
 }  // namespace
 
 base::Status KeyOptions::validate() const {
   for (const auto& s :
-       {in_bounds("weak_sigma", weak_sigma, 1, 50),
-        in_bounds("strong_sigma", strong_sigma, weak_sigma, 200),
-        in_bounds("noise_codes", noise_codes, 0.5, 50),
-        in_bounds("calibration_px", calibration_px, 0, 5),
-        in_bounds("darkest_shadow", darkest_shadow, 0.05, 1),
-        in_bounds("brightest_turf", brightest_turf, 1, 3), in_bounds("margin_m", margin_m, 0, 50),
-        in_bounds("tallest_m", tallest_m, 1, 5), in_bounds("alike_reach_m", alike_reach_m, 0, 2),
-        in_bounds("occluder_margin_px", occluder_margin_px, 0, 20)})
+       {base::in_bounds("weak_sigma", weak_sigma, 1, 50),
+        base::in_bounds("strong_sigma", strong_sigma, weak_sigma, 200),
+        base::in_bounds("noise_codes", noise_codes, 0.5, 50),
+        base::in_bounds("calibration_px", calibration_px, 0, 5),
+        base::in_bounds("darkest_shadow", darkest_shadow, 0.05, 1),
+        base::in_bounds("brightest_turf", brightest_turf, 1, 3),
+        base::in_bounds("margin_m", margin_m, 0, 50), base::in_bounds("tallest_m", tallest_m, 1, 5),
+        base::in_bounds("alike_reach_m", alike_reach_m, 0, 2),
+        base::in_bounds("occluder_margin_px", occluder_margin_px, 0, 20)})
     if (!s) return s;
   return {};
 }

@@ -6,16 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "shared/base/bounds.h"
+
 namespace touchline::publish {
 namespace {
 
 constexpr double kStaticSeconds = 2;  // what does not change is repeated so often
-
-base::Status out_of_bounds(const char* field, double value, const char* bound) {
-  return base::fail(base::ErrorKind::kConfiguration, field,
-                    fmt::format("{} is out of bounds", value),
-                    fmt::format("use a value in {}", bound));
-}
 
 const char* reason_of(base::ErrorKind kind) {
   switch (kind) {
@@ -37,13 +33,13 @@ base::Status TrackingOptions::validate() const {
   for (const std::string& to : open_track_io_to) {
     if (base::Status status = check_address("open_track_io_to", to); !status) return status;
   }
-  if (ttl < 1 || ttl > 255) return out_of_bounds("ttl", ttl, "1..255");
+  if (ttl < 1 || ttl > 255) return base::out_of_bounds("ttl", ttl, "in 1..255");
   if (!(sensor_width_mm >= 1 && sensor_width_mm <= 100))
-    return out_of_bounds("sensor_width_mm", sensor_width_mm, "1..100");
+    return base::out_of_bounds("sensor_width_mm", sensor_width_mm, "in 1..100");
   if (free_d_camera_id < 0 || free_d_camera_id > 255)
-    return out_of_bounds("free_d_camera_id", free_d_camera_id, "0..255");
+    return base::out_of_bounds("free_d_camera_id", free_d_camera_id, "in 0..255");
   if (source_number < 1 || source_number > 200)
-    return out_of_bounds("source_number", source_number, "1..200");
+    return base::out_of_bounds("source_number", source_number, "in 1..200");
   return {};
 }
 

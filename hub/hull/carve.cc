@@ -1,6 +1,5 @@
 #include "hub/hull/carve.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,16 +13,11 @@
 #include "hub/hull/silhouette_map_internal.h"
 #include "hub/hull/surface_internal.h"
 #include "hub/hull/volume_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::hull {
 
 namespace {
-
-base::Status check(std::string_view field, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(base::ErrorKind::kConfiguration, fmt::format("hull.{}", field),
-                    fmt::format("{} is outside {}..{}", value, low, high));
-}
 
 Participation participation_of(const codec::CameraView& view) {
   if (view.estimate.lost()) return Participation::kLost;
@@ -77,14 +71,18 @@ std::string_view name(Participation participation) {
 
 base::Status HullOptions::validate() const {
   for (const base::Status& status :
-       {check("voxel_m", voxel_m, 0.005, 0.2), check("dilation_px", dilation_px, 0, 10),
-        check("alpha_threshold", alpha_threshold, 1, 255), check("min_support", min_support, 1, 6),
-        check("margin_m", margin_m, 0, 50), check("below_turf_m", below_turf_m, 0, 0.5),
-        check("people_height_m", people_height_m, 1, 6),
-        check("ball_height_m", ball_height_m, people_height_m, 40),
-        check("min_volume_m3", min_volume_m3, 0, 1), check("max_ball_m", max_ball_m, 0.2, 3),
-        check("phantom_share", phantom_share, 0, 1),
-        check("min_billboard_px", min_billboard_px, 1, 100'000)}) {
+       {base::in_bounds("hull.voxel_m", voxel_m, 0.005, 0.2),
+        base::in_bounds("hull.dilation_px", dilation_px, 0, 10),
+        base::in_bounds("hull.alpha_threshold", alpha_threshold, 1, 255),
+        base::in_bounds("hull.min_support", min_support, 1, 6),
+        base::in_bounds("hull.margin_m", margin_m, 0, 50),
+        base::in_bounds("hull.below_turf_m", below_turf_m, 0, 0.5),
+        base::in_bounds("hull.people_height_m", people_height_m, 1, 6),
+        base::in_bounds("hull.ball_height_m", ball_height_m, people_height_m, 40),
+        base::in_bounds("hull.min_volume_m3", min_volume_m3, 0, 1),
+        base::in_bounds("hull.max_ball_m", max_ball_m, 0.2, 3),
+        base::in_bounds("hull.phantom_share", phantom_share, 0, 1),
+        base::in_bounds("hull.min_billboard_px", min_billboard_px, 1, 100'000)}) {
     if (!status) return status;
   }
   return {};

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/bounds.h"
 #include "shared/image/colour.h"
 
 namespace touchline::render {
@@ -62,18 +63,12 @@ std::optional<Eigen::Vector3d> turf_colour(const image::PlateSnapshot& plate,
 }  // namespace
 
 base::Status ColourReferenceOptions::validate() const {
-  struct Bound {
-    const char* field;
-    double value, low, high;
-  };
-  for (const Bound& b :
-       {Bound{"grid_m", grid_m, 0.1, 10}, Bound{"blur_m", blur_m, 0, 5},
-        Bound{"prior_sd", prior_sd, 0.001, 1}, Bound{"white_limit", white_limit, 0.01, 2},
-        Bound{"max_gain", max_gain, 1, 4}}) {
-    if (b.value >= b.low && b.value <= b.high) continue;
-    return base::fail(base::ErrorKind::kConfiguration, std::string("colour.") + b.field,
-                      std::to_string(b.value) + " is outside " + std::to_string(b.low) + ".." +
-                          std::to_string(b.high));
+  for (const base::Status& status : {base::in_bounds("colour.grid_m", grid_m, 0.1, 10),
+                                     base::in_bounds("colour.blur_m", blur_m, 0, 5),
+                                     base::in_bounds("colour.prior_sd", prior_sd, 0.001, 1),
+                                     base::in_bounds("colour.white_limit", white_limit, 0.01, 2),
+                                     base::in_bounds("colour.max_gain", max_gain, 1, 4)}) {
+    if (!status) return status;
   }
   return {};
 }

@@ -5,15 +5,10 @@
 #include <numbers>
 #include <string>
 
+#include "shared/base/bounds.h"
+
 namespace touchline::render {
 namespace {
-
-base::Status check(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(
-      base::ErrorKind::kConfiguration, std::string("stadium.") + field,
-      std::to_string(value) + " is outside " + std::to_string(low) + ".." + std::to_string(high));
-}
 
 // Axes of a side: outward unit vector and where the line lies along it.
 struct SideAxes {
@@ -68,17 +63,15 @@ std::string_view name(PitchSide side) {
 }
 
 base::Status StadiumOptions::validate() const {
-  struct Bound {
-    const char* field;
-    double value, low, high;
-  };
-  for (const Bound& b :
-       {Bound{"margin_m", margin_m, 1, 50}, Bound{"hoarding_m", hoarding_m, 0.2, 5},
-        Bound{"stand_slope_deg", stand_slope_deg, 5, 89}, Bound{"top_m", top_m, 5, 100},
-        Bound{"least_margin_m", least_margin_m, 0.5, 20},
-        Bound{"most_margin_m", most_margin_m, least_margin_m, 60},
-        Bound{"least_agreement", least_agreement, 0, 1}}) {
-    if (auto status = check(b.field, b.value, b.low, b.high); !status) return status;
+  for (const base::Status& status :
+       {base::in_bounds("stadium.margin_m", margin_m, 1, 50),
+        base::in_bounds("stadium.hoarding_m", hoarding_m, 0.2, 5),
+        base::in_bounds("stadium.stand_slope_deg", stand_slope_deg, 5, 89),
+        base::in_bounds("stadium.top_m", top_m, 5, 100),
+        base::in_bounds("stadium.least_margin_m", least_margin_m, 0.5, 20),
+        base::in_bounds("stadium.most_margin_m", most_margin_m, least_margin_m, 60),
+        base::in_bounds("stadium.least_agreement", least_agreement, 0, 1)}) {
+    if (!status) return status;
   }
   return {};
 }

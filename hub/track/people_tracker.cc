@@ -10,6 +10,7 @@
 
 #include "hub/track/assignment.h"
 #include "hub/track/measurement_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::track {
 
@@ -22,12 +23,6 @@ constexpr double kMostBallSpeed = 45;
 constexpr double kMostDeviations = 5;
 // Between the middle of a body and the point under its pelvis, metres: people lean.
 constexpr double kLeanSd = 0.12;
-
-base::Status check(std::string_view field, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return base::fail(base::ErrorKind::kConfiguration, fmt::format("track.{}", field),
-                    fmt::format("{} is outside {}..{}", value, low, high));
-}
 
 // Position and velocity in plan.
 struct Filter {
@@ -92,12 +87,15 @@ struct Track {
 
 base::Status TrackOptions::validate() const {
   for (const base::Status& status :
-       {check("acceleration_sd", acceleration_sd, 0.1, 20),
-        check("ball_acceleration_sd", ball_acceleration_sd, 1, 200),
-        check("gate_m", gate_m, 0.2, 5), check("ball_gate_m", ball_gate_m, 0.2, 10),
-        check("coast_s", coast_s, 0, 5), check("forget_s", forget_s, coast_s, 30),
-        check("confirm_frames", confirm_frames, 1, 50), check("foot_sd_px", foot_sd_px, 0.1, 20),
-        check("least_person_m3", least_person_m3, 0.005, 1)}) {
+       {base::in_bounds("track.acceleration_sd", acceleration_sd, 0.1, 20),
+        base::in_bounds("track.ball_acceleration_sd", ball_acceleration_sd, 1, 200),
+        base::in_bounds("track.gate_m", gate_m, 0.2, 5),
+        base::in_bounds("track.ball_gate_m", ball_gate_m, 0.2, 10),
+        base::in_bounds("track.coast_s", coast_s, 0, 5),
+        base::in_bounds("track.forget_s", forget_s, coast_s, 30),
+        base::in_bounds("track.confirm_frames", confirm_frames, 1, 50),
+        base::in_bounds("track.foot_sd_px", foot_sd_px, 0.1, 20),
+        base::in_bounds("track.least_person_m3", least_person_m3, 0.005, 1)}) {
     if (!status) return status;
   }
   return {};

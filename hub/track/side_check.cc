@@ -1,7 +1,5 @@
 #include "hub/track/side_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "hub/track/standing_internal.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::track {
 namespace {
@@ -50,17 +49,10 @@ struct Sum {
 }  // namespace
 
 base::Status SideOptions::validate() const {
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, field,
-                      fmt::format("{} is out of bounds", value),
-                      fmt::format("use a value in {}..{}", least, most));
-  };
-  for (const base::Status& status :
-       {check("found_share", found_share, 0.3, 0.99), check("cell_m", cell_m, 0.3, 10),
-        check("least_evidence", least_evidence, 1, 100),
-        check("least_places", least_places, 2, 1000)}) {
+  for (const base::Status& status : {base::in_bounds("found_share", found_share, 0.3, 0.99),
+                                     base::in_bounds("cell_m", cell_m, 0.3, 10),
+                                     base::in_bounds("least_evidence", least_evidence, 1, 100),
+                                     base::in_bounds("least_places", least_places, 2, 1000)}) {
     if (!status) return status;
   }
   return {};

@@ -6,19 +6,12 @@
 #include <charconv>
 #include <string_view>
 
+#include "shared/base/bounds.h"
+
 namespace touchline::wire {
 namespace {
 
 using base::ErrorKind;
-
-base::Status in_range(std::string_view field, std::int64_t value, std::int64_t least,
-                      std::int64_t most) {
-  if (value < least || value > most) {
-    return base::fail(ErrorKind::kConfiguration, fmt::format("link.{}", field),
-                      fmt::format("{} is outside {} to {}", value, least, most));
-  }
-  return {};
-}
 
 bool is_ipv4(std::string_view text) {
   int parts = 0;
@@ -56,7 +49,7 @@ base::Status check_addresses(std::string_view field, const std::vector<std::stri
 }  // namespace
 
 base::Status LinkOptions::validate() const {
-  if (auto ok = in_range("domain", domain, 0, 230); !ok) return ok;
+  if (auto ok = base::in_bounds("link.domain", domain, 0, 230); !ok) return ok;
   if (tag.size() > 64) {
     return base::fail(ErrorKind::kConfiguration, "link.tag",
                       fmt::format("{} characters, at most 64 are taken", tag.size()));
@@ -73,21 +66,26 @@ base::Status LinkOptions::validate() const {
   }
   if (auto ok = check_addresses("interfaces", interfaces); !ok) return ok;
   if (auto ok = check_addresses("peers", peers); !ok) return ok;
-  if (auto ok = in_range("participants_per_peer", participants_per_peer, 1, 100); !ok) return ok;
-  if (auto ok = in_range("lease", lease.count(), 500, 60'000); !ok) return ok;
-  if (auto ok = in_range("status_deadline", status_deadline.count(), 100, 60'000); !ok) return ok;
-  if (auto ok = in_range("frame_lifespan", frame_lifespan.count(), 20, 10'000); !ok) return ok;
-  if (auto ok = in_range("keep_last", keep_last, 1, 256); !ok) return ok;
-  if (auto ok = in_range("max_mbit_s", max_mbit_s, 1, 16'000); !ok) return ok;
-  if (auto ok =
-          in_range("credit_bytes", static_cast<std::int64_t>(credit_bytes), 64 << 10, 256 << 20);
+  if (auto ok = base::in_bounds("link.participants_per_peer", participants_per_peer, 1, 100); !ok)
+    return ok;
+  if (auto ok = base::in_bounds("link.lease", lease.count(), 500, 60'000); !ok) return ok;
+  if (auto ok = base::in_bounds("link.status_deadline", status_deadline.count(), 100, 60'000); !ok)
+    return ok;
+  if (auto ok = base::in_bounds("link.frame_lifespan", frame_lifespan.count(), 20, 10'000); !ok)
+    return ok;
+  if (auto ok = base::in_bounds("link.keep_last", keep_last, 1, 256); !ok) return ok;
+  if (auto ok = base::in_bounds("link.max_mbit_s", max_mbit_s, 1, 16'000); !ok) return ok;
+  if (auto ok = base::in_bounds("link.credit_bytes", static_cast<std::int64_t>(credit_bytes),
+                                64 << 10, 256 << 20);
       !ok) {
     return ok;
   }
-  if (auto ok = in_range("socket_buffer_bytes", socket_buffer_bytes, 64 << 10, 64 << 20); !ok) {
+  if (auto ok =
+          base::in_bounds("link.socket_buffer_bytes", socket_buffer_bytes, 64 << 10, 64 << 20);
+      !ok) {
     return ok;
   }
-  return in_range("message_bytes", message_bytes, 1200, 65'000);
+  return base::in_bounds("link.message_bytes", message_bytes, 1200, 65'000);
 }
 
 }  // namespace touchline::wire
