@@ -8,7 +8,7 @@ namespace touchline::base {
 
 tl::unexpected<Error> out_of_bounds(std::string_view field, double value, std::string_view bound) {
   return fail(ErrorKind::kConfiguration, std::string(field),
-              fmt::format("{} is out of bounds", value), fmt::format("use a value {}", bound));
+              fmt::format("{} is not {}", value, bound), "correct the value");
 }
 
 Status in_bounds(std::string_view field, double value, double least, double most) {

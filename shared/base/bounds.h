@@ -7,8 +7,8 @@
 
 namespace touchline::base {
 
-// kConfiguration at `field`: "VALUE is out of bounds (use a value BOUND)", for bounds that are not
-// an interval of numbers: "above 0", "at least search_px".
+// kConfiguration at `field`: "VALUE is not BOUND (correct the value)", for bounds that are not an
+// interval of numbers: "above 0", "at least search_px".
 tl::unexpected<Error> out_of_bounds(std::string_view field, double value, std::string_view bound);
 
 // Whether least <= value <= most; NaN never is. Errors: as above, with "in LEAST..MOST".

@@ -24,9 +24,9 @@ TEST(Bounds, TheErrorNamesFieldValueAndBounds) {
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().kind, ErrorKind::kConfiguration);
   EXPECT_EQ(to_string(status.error()),
-            "hull.voxel_m: 0.5 is out of bounds (use a value in 0.005..0.2)");
+            "hull.voxel_m: 0.5 is not in 0.005..0.2 (correct the value)");
   const Status above = out_of_bounds("least", -1, "above 0");
-  EXPECT_EQ(to_string(above.error()), "least: -1 is out of bounds (use a value above 0)");
+  EXPECT_EQ(to_string(above.error()), "least: -1 is not above 0 (correct the value)");
 }
 
 }  // namespace
