@@ -136,6 +136,9 @@ dds::DomainParticipantQos participant_qos(const LinkOptions& options, const std:
   qos.transport().listen_socket_buffer_size = options.socket_buffer_bytes;
 
   rtps::BuiltinAttributes& builtin = qos.wire_protocol().builtin;
+  // The library's lease timer asserts when a participant takes its leave in the instant in which the
+  // timer waits for the same lock (Fast DDS 2.9.1, PDP::check_remote_participant_liveliness). A timer
+  // fires once a lease for every participant, so a long lease makes this rare, not impossible.
   builtin.discovery_config.leaseDuration = duration(options.lease);
   builtin.discovery_config.leaseDuration_announcementperiod = duration(options.lease / 4);
   builtin.discovery_config.initial_announcements.count = 10;
