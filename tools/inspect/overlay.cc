@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/score/page/camera_map.h"
+#include "tools/draw/markings.h"
 
 namespace touchline::inspect {
 namespace {
 
-using namespace score::page;  // NOLINT: this file draws
+using namespace draw;  // NOLINT: this file draws
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr image::Rgb8 kMarking{255, 60, 200};

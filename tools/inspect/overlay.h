@@ -9,11 +9,11 @@
 #include "shared/geometry/camera_estimate.h"
 #include "shared/image/matte.h"
 #include "shared/pitch/pitch_model.h"
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 
 namespace touchline::inspect {
 
-using score::page::Picture;
+using draw::Picture;
 
 // The pitch's markings where the camera puts them, and a line of text: evidence, rms, pan, tilt,
 // focal length. A lost camera's frame has the text alone.

@@ -81,12 +81,10 @@ base::Result<int> session_pictures(const recording::Recording& recording, const 
       } else if (view->second.matte) {
         picture = key_overlay(picture, *view->second.matte);
       } else {
-        score::page::draw_label(picture, 8, 8, "no matte", score::page::kMissing);
+        draw::draw_label(picture, 8, 8, "no matte", draw::kMissing);
       }
       const fs::path file = out / entry.id.value / fmt::format("{:06}.png", view->first);
-      if (auto status =
-              score::page::write_picture(file, score::page::at_most(picture, options.width));
-          !status)
+      if (auto status = draw::write_picture(file, draw::at_most(picture, options.width)); !status)
         return base::fail(status.error());
       views->erase(view);
       ++of_camera;

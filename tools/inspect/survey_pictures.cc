@@ -47,9 +47,7 @@ base::Result<int> survey_pictures(const recording::Recording& recording, const f
       const Picture picture =
           lines_overlay(image::to_rgb(stills.frames[i]), survey->stills[i], *pitch);
       const fs::path file = out / entry.id.value / fmt::format("{:02}.png", i);
-      if (auto status =
-              score::page::write_picture(file, score::page::at_most(picture, options.width));
-          !status)
+      if (auto status = draw::write_picture(file, draw::at_most(picture, options.width)); !status)
         return base::fail(status.error());
       ++count;
     }
@@ -61,8 +59,8 @@ base::Result<int> survey_pictures(const recording::Recording& recording, const f
     return base::fail(base::ErrorKind::kNumerical, "survey", "no head could be placed",
                       "take 12 to 16 stills of the empty pitch a head, and check side and sizes");
   }
-  if (auto status = score::page::write_picture(
-          out / "plan.png", score::page::at_most(site_plan(heads, *pitch), options.width));
+  if (auto status = draw::write_picture(out / "plan.png",
+                                        draw::at_most(site_plan(heads, *pitch), options.width));
       !status)
     return base::fail(status.error());
   return count + 1;

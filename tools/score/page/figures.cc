@@ -13,8 +13,8 @@
 #include "shared/image/colour.h"
 #include "shared/recording/camera_table.h"
 #include "shared/recording/video_reader.h"
+#include "tools/draw/canvas.h"
 #include "tools/score/page/camera_map.h"
-#include "tools/score/page/canvas.h"
 #include "tools/score/page/html_text.h"
 #include "tools/score/page/hull_map.h"
 #include "tools/score/page/matte_map.h"
@@ -24,6 +24,8 @@
 
 namespace touchline::score::page {
 
+using namespace draw;  // NOLINT: this file draws
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -32,7 +34,6 @@ constexpr int kWidest = 960;           // of a whole frame in the page, pixels
 constexpr int kWidestStrip = 1960;     // of enlarged parts beside one another
 constexpr int kTallPerson = 420;       // of a person in a crop, pixels, about
 constexpr std::size_t kHullViews = 3;  // cameras that show a person of a hull
-constexpr double kAsBad = 0.1;         // of the worst: nearly as bad, where that is shown anyway
 constexpr double kReach = 1.5;         // metres within which people are taken for each other
 
 fs::path numbered(const fs::path& folder, std::int64_t frame, const char* extension) {
@@ -413,87 +414,6 @@ class Maker {
 };
 
 }  // namespace
-
-std::string WorstFrame::id() const {
-  return fmt::format("{}-{}-{:06}", plain(group), plain(subject), frame);
-}
-
-double badness(const ScoreKind& kind, double value) {
-  switch (kind.better) {
-    case Better::kHigher:
-      return (kind.unit == "%" ? 100 : 0) - value;
-    case Better::kOne:
-      return std::abs(value - (kind.unit == "%" ? 100 : 1));
-    case Better::kLower:
-      break;
-  }
-  return kind.statistic == Statistic::kRootMeanSquare ? std::abs(value) : value;
-}
-
-std::vector<WorstFrame> worst_frames(const std::vector<Series>& series, std::size_t of_each) {
-  struct Candidate {
-    const Series* series = nullptr;
-    Sample sample;
-    double bad = 0;
-  };
-  std::vector<WorstFrame> out;
-  std::vector<std::string> groups;
-  for (std::size_t begin = 0; begin < series.size();) {
-    // Series of one kind stand together.
-    std::size_t end = begin;
-    while (end < series.size() && series[end].kind.group == series[begin].kind.group &&
-           series[end].kind.score == series[begin].kind.score) {
-      ++end;
-    }
-    std::vector<Candidate> candidates;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (series[i].subject == "all" && end - begin > 1) continue;
-      Candidate worst;
-      for (const Sample& sample : series[i].samples) {
-        if (!std::isfinite(sample.value)) continue;
-        const double bad = badness(series[i].kind, sample.value);
-        if (worst.series == nullptr || bad > worst.bad) worst = {&series[i], sample, bad};
-      }
-      const bool perfect = series[i].kind.better == Better::kHigher && series[i].kind.unit != "%"
-                               ? false
-                               : worst.bad <= 0;
-      if (worst.series != nullptr && !perfect) candidates.push_back(worst);
-    }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.bad > b.bad; });
-    if (candidates.size() > of_each) candidates.resize(of_each);
-    for (Candidate& c : candidates) {
-      const ScoreKind& kind = c.series->kind;
-      for (const Sample& sample : c.series->samples) {
-        const double bad = badness(kind, sample.value);
-        const bool chosen = std::any_of(out.begin(), out.end(), [&](const WorstFrame& w) {
-          return w.group == kind.group && w.subject == c.series->subject && w.frame == sample.frame;
-        });
-        if (chosen && std::abs(bad - c.bad) <= kAsBad * std::abs(c.bad)) c.sample = sample;
-      }
-      WorstFrame frame{kind.group, c.series->subject, c.sample.frame, {}};
-      auto known = std::find_if(out.begin(), out.end(),
-                                [&](const WorstFrame& w) { return w.id() == frame.id(); });
-      if (known == out.end()) known = out.insert(out.end(), std::move(frame));
-      known->reasons.push_back(
-          fmt::format("{} {:.{}f}{}{}", kind.score, c.sample.value, kind.decimals,
-                      kind.unit.empty() ? "" : " ", kind.unit) +
-          (kind.statistic == Statistic::kTotal
-               ? std::string()
-               : fmt::format(" (over all frames {:.{}f})", c.series->summary.mean, kind.decimals)));
-    }
-    if (groups.empty() || groups.back() != series[begin].kind.group) {
-      groups.push_back(series[begin].kind.group);
-    }
-    begin = end;
-  }
-  const auto rank = [&](const WorstFrame& w) {
-    return std::find(groups.begin(), groups.end(), w.group) - groups.begin();
-  };
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const WorstFrame& a, const WorstFrame& b) { return rank(a) < rank(b); });
-  return out;
-}
 
 base::Result<std::vector<Figure>> make_figures(const std::vector<WorstFrame>& frames,
                                                const recording::Recording& recording,

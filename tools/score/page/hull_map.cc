@@ -10,6 +10,8 @@
 
 namespace touchline::score::page {
 
+using namespace draw;  // NOLINT: this file draws
+
 namespace {
 
 Eigen::Vector2d in_window(const Eigen::Vector2d& p, const image::Rect& window, int zoom) {

@@ -3,22 +3,23 @@
 
 #include <vector>
 
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 
 namespace touchline::score::page {
 
 struct MatteMap {
-  Picture whole;  // the frame, grey, errors on it
+  draw::Picture whole;  // the frame, grey, errors on it
   // Where they are worst, the worst first: frame | errors | true alpha | found alpha.
-  std::vector<Picture> zooms;
+  std::vector<draw::Picture> zooms;
 };
 
 // The frame, grey, with missing coverage in red and extra coverage in blue, by the difference.
-Picture mask_errors(const Picture& frame, const Mask& truth, const Mask& found);
+draw::Picture mask_errors(const draw::Picture& frame, const draw::Mask& truth,
+                          const draw::Mask& found);
 
 // The boundary of the truth is a thin line in the zoomed parts; `most` of these at most. With
 // `round` the only one is there. All of one size.
-MatteMap matte_map(const Picture& frame, const Mask& truth, const Mask& found, int most = 2,
-                   const image::Rect& round = {});
+MatteMap matte_map(const draw::Picture& frame, const draw::Mask& truth, const draw::Mask& found,
+                   int most = 2, const image::Rect& round = {});
 
 }  // namespace touchline::score::page

@@ -7,6 +7,8 @@
 
 namespace touchline::score::page {
 
+using namespace draw;  // NOLINT: this file draws
+
 namespace {
 
 constexpr int kWindowWidth = 150;

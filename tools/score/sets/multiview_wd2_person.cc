@@ -12,7 +12,7 @@
 #include "edge/key/key.h"
 #include "hub/hull/carve.h"
 #include "hub/render/renderer.h"
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 #include "tools/score/page/hull_map.h"
 #include "tools/score/page/view_map.h"
 #include "tools/score/series.h"
@@ -177,7 +177,7 @@ Rgb over(const scene::Picture& rendered, image::Rgb8 ground) {
   Rgb out(rendered.width(), rendered.height(), ground);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const scene::Rgba8& p = rendered.data()[i];
-    out.data()[i] = page::mix(ground, {p.r, p.g, p.b}, p.a / 255.0);
+    out.data()[i] = draw::mix(ground, {p.r, p.g, p.b}, p.a / 255.0);
   }
   return out;
 }

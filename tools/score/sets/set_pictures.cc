@@ -3,7 +3,7 @@
 #include <array>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 #include "tools/score/page/matte_map.h"
 
 namespace touchline::score {
@@ -60,14 +60,14 @@ base::Status write_mask_picture(const fs::path& path, const image::Image<image::
                                 const image::Image<std::uint8_t>& truth,
                                 const image::Image<std::uint8_t>& found) {
   const std::array parts = {picture, page::mask_errors(picture, truth, found)};
-  return write_rgb(path, page::beside(parts));
+  return write_rgb(path, draw::beside(parts));
 }
 
 base::Status write_rgb(const fs::path& path, const image::Image<image::Rgb8>& picture) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   if (error) return base::fail(base::ErrorKind::kIo, path.string(), error.message());
-  return page::write_picture(path, picture);
+  return draw::write_picture(path, picture);
 }
 
 }  // namespace touchline::score

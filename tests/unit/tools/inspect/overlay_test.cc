@@ -76,7 +76,7 @@ TEST(SitePlan, HoldsEveryHeadAndThePitch) {
   EXPECT_EQ(plan.width(), 2 * (90 + 12) * 10);
   EXPECT_EQ(plan.height(), 2 * (75 + 12) * 10);
   // The main camera side is below.
-  EXPECT_EQ(plan(plan.width() / 2, plan.height() - 12 * 10), score::page::kFound);
+  EXPECT_EQ(plan(plan.width() / 2, plan.height() - 12 * 10), draw::kFound);
 }
 
 }  // namespace

@@ -9,6 +9,9 @@
 #include "tools/score/page/view_map.h"
 
 namespace touchline::score::page {
+
+using namespace draw;  // NOLINT: this file looks at drawings
+
 namespace {
 
 pitch::PitchModel soccer() { return *pitch::make_pitch(pitch::Sport::kSoccer, {}); }

@@ -1,9 +1,9 @@
+#include "tools/score/page/worst_frames.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "tools/score/page/figures.h"
 
 namespace touchline::score::page {
 namespace {

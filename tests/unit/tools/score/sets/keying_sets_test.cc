@@ -8,7 +8,7 @@
 
 #include "shared/image/colour.h"
 #include "tests/support/folders.h"
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 #include "tools/score/sets/fixed_view.h"
 #include "tools/score/sets/keying_cdnet_highway.h"
 #include "tools/score/sets/keying_lemur.h"
@@ -104,7 +104,7 @@ TEST(KeyingCdnet, ScoresAMovingBox) {
     const int left = i < 8 ? -100 : 8 * (i - 8);
     ASSERT_TRUE(write_rgb(folder / "input" / fmt::format("in{:06}.jpg", 560 + i), scene(left)));
     ASSERT_TRUE(write_rgb(folder / "groundtruth" / fmt::format("gt{:06}.png", 560 + i),
-                          page::from_grey(box(left))));
+                          draw::from_grey(box(left))));
   }
   SetOptions options;
   options.data = data.path();
@@ -149,8 +149,8 @@ TEST(KeyingLemur, ScoresABox) {
   ASSERT_TRUE(write_rgb(folder / "lemur.png", scene(60)));
   ASSERT_TRUE(write_rgb(folder / "lemur_background.png", scene(-1)));
   ASSERT_TRUE(write_rgb(folder / "lemur_foreground.png", Rgb(kWidth, kHeight, {230, 40, 50})));
-  ASSERT_TRUE(write_rgb(folder / "lemur_alpha.png", page::from_grey(truth)));
-  ASSERT_TRUE(write_rgb(folder / "lemur_trimap.png", page::from_grey(trimap)));
+  ASSERT_TRUE(write_rgb(folder / "lemur_alpha.png", draw::from_grey(truth)));
+  ASSERT_TRUE(write_rgb(folder / "lemur_trimap.png", draw::from_grey(trimap)));
   SetOptions options;
   options.data = data.path();
   const auto report = run_keying_lemur(options);

@@ -9,7 +9,7 @@
 
 #include "tests/support/capsule_scene.h"
 #include "tests/support/folders.h"
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 #include "tools/score/sets/multiview_wd2_person.h"
 #include "tools/score/sets/set_pictures.h"
 #include "tools/score/sets/wd2_rig.h"
@@ -60,13 +60,13 @@ class MadeUpPerson : public testing::Test {
                                               {0, 0, 0.9}, 250, 256, 192);
       const codec::CameraView view = support::silhouettes("c", camera, person);
       const image::Image<std::uint8_t>& mask = view.matte->alpha;
-      page::Picture picture(256, 192, {30, 120, 40});
+      draw::Picture picture(256, 192, {30, 120, 40});
       for (std::size_t p = 0; p < mask.size(); ++p) {
         if (mask.data()[p] >= 128) picture.data()[p] = {200, 60, 70};
       }
       ASSERT_TRUE(write_rgb(folder / fmt::format("WD2_{}_00020.png", i), picture));
       ASSERT_TRUE(
-          write_rgb(folder / fmt::format("WD2_{}_00020_mask.png", i), page::from_grey(mask)));
+          write_rgb(folder / fmt::format("WD2_{}_00020_mask.png", i), draw::from_grey(mask)));
       const auto& m = camera.model;
       const Eigen::Matrix3d r = (camera.cam_from_world.rotation * turn).toRotationMatrix();
       const Eigen::Vector3d t = 0.5 * camera.cam_from_world.translation;

@@ -1,4 +1,5 @@
-// Drawing on 8-bit R'G'B' pictures, for the pictures of the score page.
+// Drawing on 8-bit R'G'B' pictures, for what people look at: pages of scores, pictures of
+// calibration.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +12,7 @@
 #include "shared/base/result.h"
 #include "shared/image/image.h"
 
-namespace touchline::score::page {
+namespace touchline::draw {
 
 using Picture = image::Image<image::Rgb8>;
 using Mask = image::Image<std::uint8_t>;
@@ -58,4 +59,4 @@ image::Rect heaviest_window(const image::Image<float>& map, int width, int heigh
 
 base::Status write_picture(const std::filesystem::path& path, const Picture& picture);
 
-}  // namespace touchline::score::page
+}  // namespace touchline::draw

@@ -1,11 +1,11 @@
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace touchline::score::page {
+namespace touchline::draw {
 
 namespace {
 
@@ -234,4 +234,4 @@ base::Status write_picture(const std::filesystem::path& path, const Picture& pic
   return {};
 }
 
-}  // namespace touchline::score::page
+}  // namespace touchline::draw

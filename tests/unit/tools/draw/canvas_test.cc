@@ -1,4 +1,4 @@
-#include "tools/score/page/canvas.h"
+#include "tools/draw/canvas.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "tests/support/folders.h"
 #include "tools/score/truth.h"
 
-namespace touchline::score::page {
+namespace touchline::draw {
 namespace {
 
 TEST(FillTriangle, SetsThePixelsWhoseCentresItHolds) {
@@ -78,7 +78,7 @@ TEST(WritePicture, CanBeReadBackAndFailsByName) {
   Picture picture(3, 2, {10, 200, 30});
   picture(2, 1) = {255, 0, 7};
   ASSERT_TRUE(write_picture(folder / "p.png", picture));
-  const auto read = read_rgb_png(folder / "p.png");
+  const auto read = score::read_rgb_png(folder / "p.png");
   ASSERT_TRUE(read);
   EXPECT_EQ(*read, picture);
   const auto missing = write_picture(folder / "no" / "p.png", picture);
@@ -88,4 +88,4 @@ TEST(WritePicture, CanBeReadBackAndFailsByName) {
 }
 
 }  // namespace
-}  // namespace touchline::score::page
+}  // namespace touchline::draw
