@@ -4,53 +4,29 @@
 #include <array>
 #include <cmath>
 
-#include "edge/calibrate/pose_score_internal.h"
+#include "edge/calibrate/fixed_place_internal.h"
 #include "edge/calibrate/survey_run_internal.h"
-#include "edge/calibrate/survey_solve.h"
 #include "edge/calibrate/survey_spread_internal.h"
+#include "edge/calibrate/survey_step_internal.h"
 
 namespace touchline::calibrate {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr int kPointsAStill = 320;
 constexpr double kConsensusRadius = 0.06;  // of positions that agree, share of the distance
-constexpr std::size_t kPlaces = 10;        // of a fixed camera, that are solved
-constexpr int kJudgedPoints = 1200;        // of a picture
-constexpr double kDistinctPx = 12;         // on the turf, between two places at 1080 lines
-constexpr double kLeadPx = 100;           // of line, by which a place must be better, at 1080 lines
-constexpr double kLeadShare = 0.02;       // the same, of the ridge points
-constexpr double kBeyondConflict = 0.94;  // score of a pose that whole lines may speak against
-constexpr int kCandidates = 4;            // positions that are tried on all stills
-constexpr double kSizeStep = 0.05;        // metres, for derivatives by the pitch's sizes
-constexpr double kSizePrior = 5;          // metres that a length or width may be wrong by
-constexpr double kCrownPrior = 0.3;       // the same for an unknown crown
-constexpr double kSizeSigmas = 4;         // a size must be this sure to be held against the stated
-constexpr double kMostPriorSigmas = 4;    // of the principal point and the levelling
-constexpr double kLeastStillScore = 0.7;
-constexpr double kLeastFit = 0.78;     // of confirmed and explained, over all solved stills
-constexpr double kLeastShown = 0.6;    // of confirmed, where so much is explained
-constexpr double kExplainsAll = 0.88;  // the same
-constexpr double kFoundSize = 0.05;    // metres: a size this sure is found
-constexpr double kRoughSize = 0.5;     // metres: one this sure is found where it is far off
+constexpr double kBeyondConflict = 0.94;   // score of a pose that whole lines may speak against
+constexpr int kCandidates = 4;             // positions that are tried on all stills
+constexpr double kSizePrior = 5;           // metres that a length or width may be wrong by
+constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
+constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
+constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
+constexpr double kLeastFit = 0.78;         // of confirmed and explained, over all solved stills
+constexpr double kLeastShown = 0.6;        // of confirmed, where so much is explained
+constexpr double kExplainsAll = 0.88;      // the same
+constexpr double kFoundSize = 0.05;        // metres: a size this sure is found
+constexpr double kRoughSize = 0.5;         // metres: one this sure is found where it is far off
 constexpr double kRoughSigmas = 6;
 constexpr double kSizeSettled = 0.004;  // metres: a smaller change is not worth another run
-
-geometry::HeadPose head_of(const geometry::Mount& mount, const geometry::Rigid3& cam_from_world,
-                           double focal_px) {
-  const Eigen::Vector3d angles =
-      geometry::pan_tilt_roll(cam_from_world.rotation * geometry::world_from_head(mount));
-  return {angles.x(), angles.y(), angles.z(), focal_px};
-}
-
-Pose pose_of(const geometry::Mount& mount, const geometry::HeadPose& head) {
-  const geometry::Rigid3 cam_from_world = geometry::cam_from_world(mount, head);
-  Pose pose;
-  pose.model = geometry::camera_model(mount, head.focal_px);
-  pose.rotation = cam_from_world.rotation.toRotationMatrix();
-  pose.position = geometry::origin(cam_from_world);
-  return pose;
-}
 
 // The stills of one camera while its mount is found.
 class Survey {
@@ -62,30 +38,26 @@ class Survey {
         side_(side),
         options_(options),
         head_(head),
-        fine_(sample_markings(pitch, 0.3)) {
-    scale_ = std::max(maps_.front().height / 1080.0, 0.4);
-    for (std::size_t size = 0; size < 3; ++size) {
-      pitch::PitchSizes sizes{pitch.length_m, pitch.width_m, std::nullopt, pitch.crown_m,
-                              pitch.line_m};
-      if (pitch.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = pitch.in_goal_m;
-      (size == 0 ? *sizes.length_m : size == 1 ? *sizes.width_m : *sizes.crown_m) += kSizeStep;
-      if (auto larger = pitch::make_pitch(pitch.sport, sizes)) larger_[size] = std::move(*larger);
-    }
-  }
+        step_(pitch, options, maps.front().height, head),
+        scale_(step_.scale()),
+        fine_(sample_markings(pitch, 0.3)) {}
 
   base::Result<SurveyResult> run() {
     if (head_) {
-      if (!start()) return no_position();
-    } else if (auto status = start_fixed(); !status) {
-      return base::fail(status.error());
+      if (!start()) return no_position(side_, maps_.size());
+    } else {
+      auto place = find_fixed_place(maps_, pitch_, side_, options_, step_);
+      if (!place) return base::fail(place.error());
+      problem_ = std::move(*place);
+      stills_.assign(1, 0);
     }
     const std::array<double, 5> tolerances{8, 5, 4, 3, 3};
     const int rounds = std::max(options_.rounds, 2);
     int settled = 0;
     SurveySolution solution;
     for (int round = 0; settled < rounds && round < 3 * rounds; ++round) {
-      const std::size_t step = std::min(static_cast<std::size_t>(settled), tolerances.size() - 1);
-      solution = solve(tolerances[step] * scale_);
+      const std::size_t at = std::min(static_cast<std::size_t>(settled), tolerances.size() - 1);
+      solution = step_.solve(maps_, stills_, tolerances[at] * scale_, problem_);
       if (!solution.converged || problem_.heads.empty()) break;
       iterations_ += solution.iterations;
       bool changed = false;
@@ -95,9 +67,9 @@ class Survey {
       }
       if (!changed) ++settled;
     }
-    if (problem_.heads.empty()) return no_position();
+    if (problem_.heads.empty()) return no_position(side_, maps_.size());
     if (solution.converged) {
-      SurveySolveOptions last = solve_options(
+      SurveySolveOptions last = step_.solve_options(
           tolerances[std::min(static_cast<std::size_t>(rounds), tolerances.size()) - 1] * scale_,
           true);
       const Eigen::Array<bool, 3, 1> stated(options_.length_stated, options_.width_stated,
@@ -118,14 +90,6 @@ class Survey {
     double score = 0;
     std::vector<std::pair<int, ColdHypothesis>> members;  // still, its best hypothesis there
   };
-
-  base::Result<SurveyResult> no_position() const {
-    return base::fail(
-        base::ErrorKind::kNumerical, "survey",
-        fmt::format("no position on the {} side explains the lines of {} pictures", name(side_),
-                    maps_.size()),
-        "check the stated side and pitch sizes, and that pictures show several pitch lines");
-  }
 
   // Positions on which the stills' own hypotheses agree, the best first.
   std::vector<Start> consensus() const {
@@ -166,22 +130,13 @@ class Survey {
     return distinct;
   }
 
-  geometry::Mount empty_mount() const {
-    geometry::Mount mount;
-    mount.width = maps_.front().width;
-    mount.height = maps_.front().height;
-    mount.cx = 0.5 * (mount.width - 1);
-    mount.cy = 0.5 * (mount.height - 1);
-    return mount;
-  }
-
   // The stills that a start explains, each with a head pose.
   bool start() {
     const std::vector<Start> starts = consensus();
     if (starts.empty()) return false;
     double best_total = 0;
     for (const Start& candidate : starts) {
-      geometry::Mount mount = empty_mount();
+      geometry::Mount mount = empty_mount(maps_.front());
       // The middle of the members' positions, coordinate by coordinate.
       for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
@@ -209,99 +164,8 @@ class Survey {
       stills_ = std::move(stills);
     }
     if (problem_.heads.empty()) return false;
-    place_knots();
+    step_.place_knots(problem_);
     return true;
-  }
-
-  // A fixed camera: every place that explains its picture is solved, and the one that explains it
-  // best is taken where clearly less speaks against it than against any other.
-  base::Status start_fixed() {
-    struct Place {
-      SurveyProblem problem;
-      Pose pose;
-      PoseScore score;
-    };
-    const LineMap& map = maps_.front();
-    std::vector<Place> places;
-    for (const ColdHypothesis& hypothesis : cold_start(map, pitch_, side_, options_.cold_start)) {
-      if (places.size() >= kPlaces) break;
-      problem_ = {};
-      problem_.mount = empty_mount();
-      problem_.mount.position_in_world = geometry::origin(hypothesis.cam_from_world);
-      problem_.heads.assign(
-          1, head_of(problem_.mount, hypothesis.cam_from_world, hypothesis.model.fx));
-      stills_.assign(1, 0);
-      bool solved = true;
-      for (const double tolerance : {8.0, 5.0, 4.0})
-        solved = solved && solve(tolerance * scale_).converged;
-      if (!solved ||
-          !plausible(problem_.mount.position_in_world, side_, pitch_, options_.cold_start.bounds))
-        continue;
-      const Pose pose = pose_of(problem_.mount, problem_.heads.front());
-      places.push_back(
-          {problem_, pose, score_exact(map, fine_, pitch_, pose, 5 * scale_, kJudgedPoints)});
-    }
-    std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-      return a.score.score() > b.score.score();
-    });
-    problem_ = {};
-    if (places.empty() || places.front().score.score() < kLeastStillScore)
-      return base::fail(no_position().error());
-    const Place& best = places.front();
-    const double lead =
-        std::max(kLeadPx * scale_, kLeadShare * static_cast<double>(map.points.size()));
-    for (const Place& other : places) {
-      if (turf_distance(pitch_, best.pose, other.pose) < kDistinctPx * scale_) continue;
-      if (other.score.against_px() - best.score.against_px() >= lead) continue;
-      const Eigen::Vector3d& a = best.pose.position;
-      const Eigen::Vector3d& b = other.pose.position;
-      return base::fail(
-          base::ErrorKind::kNumerical, "survey",
-          fmt::format(
-              "the lines are seen as well from ({:.1f}, {:.1f}, {:.1f}) with a focal length "
-              "of {:.0f} px as from ({:.1f}, {:.1f}, {:.1f}) with {:.0f} px",
-              a.x(), a.y(), a.z(), best.pose.model.fx, b.x(), b.y(), b.z(), other.pose.model.fx),
-          "show more of the pitch: a corner, a box or the circle");
-    }
-    problem_ = best.problem;
-    stills_.assign(1, 0);
-    return {};
-  }
-
-  // Lens knots evenly over the log focal lengths of the solved stills, keeping the lens so far.
-  void place_knots() {
-    double least = 1e12, most = 0;
-    for (const geometry::HeadPose& head : problem_.heads) {
-      least = std::min(least, head.focal_px);
-      most = std::max(most, head.focal_px);
-    }
-    const int count = head_ && most > 1.15 * least ? options_.lens_knots : 1;
-    geometry::Mount& mount = problem_.mount;
-    std::vector<geometry::LensKnot> knots;
-    for (int i = 0; i < count; ++i) {
-      const double focal =
-          count == 1 ? std::sqrt(least * most)
-                     : least * std::pow(most / least, static_cast<double>(i) / (count - 1));
-      knots.push_back(geometry::lens_at(mount, focal));
-      knots.back().focal_px = focal;
-    }
-    mount.lens = std::move(knots);
-  }
-
-  SurveySolution solve(double tolerance_px) {
-    place_knots();
-    match_all(tolerance_px);
-    return solve_survey(solve_options(tolerance_px, false), problem_);
-  }
-
-  void match_all(double tolerance_px) {
-    problem_.points.clear();
-    if (head_) {
-      for (std::size_t i = 0; i < stills_.size(); ++i)
-        match(i, maps_[static_cast<std::size_t>(stills_[i])], tolerance_px);
-    } else {
-      for (const LineMap& map : maps_) match(0, map, tolerance_px);
-    }
   }
 
   // What the lines say of the pitch's sizes: wider matches, so that a line in the wrong place is
@@ -309,8 +173,8 @@ class Survey {
   base::Status check_sizes(SurveyResult& result) {
     const SurveyProblem found = problem_;
     const double tolerance = 8 * scale_;
-    match_all(tolerance);
-    SurveySolveOptions options = solve_options(tolerance, true);
+    step_.match(maps_, stills_, tolerance, problem_);
+    SurveySolveOptions options = step_.solve_options(tolerance, true);
     options.size_sigma = {kSizePrior, kSizePrior,
                           options_.crown_stated ? options_.crown_sigma_m : kCrownPrior};
     const SurveySolution solution = solve_survey(options, problem_);
@@ -347,49 +211,6 @@ class Survey {
             "they fit {}",
             pitch_.length_m, pitch_.width_m, pitch_.crown_m, better),
         "measure the pitch and state its sizes");
-  }
-
-  SurveySolveOptions solve_options(double tolerance_px, bool last) const {
-    SurveySolveOptions options;
-    options.head = head_;
-    options.principal_prior_px = options_.principal_prior_px;
-    options.level_sigma = options_.level_prior_deg * kDegree;
-    options.roll_sigma =
-        (head_ ? options_.roll_prior_deg : options_.fixed_roll_prior_deg) * kDegree;
-    options.pupil_sigma_m = head_ ? options_.pupil_prior_m : 0;
-    options.shift_sigma = options_.shift_prior;
-    options.shift_step = 0.5 * options_.shift_prior;
-    options.point_sigma_px = options_.point_sigma_px * scale_;
-    options.loss_px = std::max(0.5 * scale_, tolerance_px / 4);
-    options.covariance = last;
-    return options;
-  }
-
-  void match(std::size_t head, const LineMap& map, double tolerance_px) {
-    const Pose pose = pose_of(problem_.mount, problem_.heads[head]);
-    const std::size_t stride =
-        std::max<std::size_t>(1, map.points.size() / std::size_t{kPointsAStill});
-    for (std::size_t i = stride / 2; i < map.points.size(); i += stride) {
-      const RidgePoint& ridge = map.points[i];
-      const PointOnMarking on = match_point(pitch_, pose, ridge, tolerance_px);
-      if (on.marking < 0) continue;
-      const pitch::Marking& marking = pitch_.markings[static_cast<std::size_t>(on.marking)];
-      const Eigen::Vector2d tangent = marking.tangent(on.distance);
-      SurveyPoint point;
-      point.still = static_cast<int>(head);
-      point.pixel = ridge.position.cast<double>();
-      point.point_in_world = pitch_.on_turf(marking.at(on.distance));
-      point.tangent_in_world = {tangent.x(), tangent.y(), 0};
-      for (int size = 0; size < 3; ++size) {
-        const auto& larger = larger_[static_cast<std::size_t>(size)];
-        if (larger.markings.size() != pitch_.markings.size()) continue;
-        const pitch::Marking& moved = larger.markings[static_cast<std::size_t>(on.marking)];
-        const double share = on.distance / std::max(marking.length(), 1e-9);
-        point.by_size.col(size) =
-            (larger.on_turf(moved.at(share * moved.length())) - point.point_in_world) / kSizeStep;
-      }
-      problem_.points.push_back(point);
-    }
   }
 
   // Gives up the poses that the common position does not bear out.
@@ -508,12 +329,12 @@ class Survey {
 
   const std::vector<LineMap>& maps_;
   const pitch::PitchModel& pitch_;
-  std::array<pitch::PitchModel, 3> larger_;  // by kSizeStep in length, in width, in crown
   Side side_;
   const SurveyOptions& options_;
   bool head_;
+  SurveyStep step_;
+  double scale_;
   MarkingSamples fine_;
-  double scale_ = 1;
   SurveyProblem problem_;
   std::vector<int> stills_;  // of problem_.heads
   int iterations_ = 0;
