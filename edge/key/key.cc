@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "edge/key/alike.h"
+#include "edge/key/colour_classifier.h"
 #include "edge/key/components.h"
 #include "edge/key/difference.h"
 #include "edge/key/packed_plate.h"
@@ -43,10 +44,11 @@ base::Status KeyOptions::validate() const {
         base::in_bounds("alike_reach_m", alike_reach_m, 0, 2),
         base::in_bounds("occluder_margin_px", occluder_margin_px, 0, 20)})
     if (!s) return s;
-  return {};
+  return colours.validate();
 }
 
 struct Keyer::State {
+  ColourTable colours;
   PackedPlate plate;
   WarpedPlate warped;
   Difference difference;
@@ -95,6 +97,9 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
   WarpedPlate& warped = state_->warped;
   Difference& diff = state_->difference;
   difference(frame, active, warper, grid, turf, o, warped, diff);
+  if (!state_->colours.is_of(o.colours, frame.colour))
+    state_->colours = ColourTable(o.colours, frame.colour);
+  apply_colours(frame, state_->colours, diff);
   local_peak(diff, state_->scratch, state_->peak);
   find_bodies(diff, state_->peak, grid, camera, pitch, o, state_->scratch, state_->bodies);
   const image::Image<std::uint8_t>& bodies = state_->bodies;

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "edge/key/colour_training.h"
 #include "edge/state/key_result.h"
 #include "shared/base/result.h"
 #include "shared/geometry/camera_estimate.h"
@@ -23,6 +24,7 @@ struct KeyOptions {
   double tallest_m = 2.6;           // and reach this high; 1..5
   double alike_reach_m = 0.45;      // from a body, where its own colours in the plate hide it; 0..2
   double occluder_margin_px = 2.5;  // margin round goal frames, nets and flags; 0..20
+  ColourTraining colours;           // what the operator clicked on; none: it changes nothing
 
   base::Status validate() const;
 };

@@ -1,9 +1,12 @@
 // touchline-inspect: pictures of what the stages found, to look at.
 #include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
 #include <cstdio>
 #include <string>
 #include <vector>
 
+#include "tools/inspect/key_training.h"
 #include "tools/inspect/pictures.h"
 
 namespace {
@@ -13,6 +16,31 @@ using namespace touchline;  // NOLINT: this file is the program
 int failed(const base::Error& error) {
   std::fprintf(stderr, "touchline-inspect: %s\n", base::to_string(error).c_str());
   return base::exit_code(error);
+}
+
+// "x,y" as two numbers; false when it is none.
+bool pixel(const std::string& text, std::array<int, 2>& at) {
+  const char* end = text.data() + text.size();
+  const auto x = std::from_chars(text.data(), end, at[0]);
+  if (x.ec != std::errc() || x.ptr == end || *x.ptr != ',') return false;
+  const auto y = std::from_chars(x.ptr + 1, end, at[1]);
+  return y.ec == std::errc() && y.ptr == end;
+}
+
+int train(const recording::Recording& recording, inspect::TrainingSteps steps,
+          const std::vector<std::string>& clicks) {
+  for (const std::string& click : clicks) {
+    if (!pixel(click, steps.clicks.emplace_back())) {
+      return failed({base::ErrorKind::kArgument, "--click", "'" + click + "' is no pixel",
+                     "write it as 640,360"});
+    }
+  }
+  const auto result = inspect::train_key(recording, steps);
+  if (!result) return failed(result.error());
+  std::printf("%zu colours in %s; %.1f %% of the picture is background, %.1f %% between; %s\n",
+              result->colours, steps.colours.c_str(), 100 * result->background_share,
+              100 * result->between_share, steps.out.c_str());
+  return 0;
 }
 
 }  // namespace
@@ -53,6 +81,26 @@ int main(int argc, char** argv) {
       "survey", "the markings over each survey still, and a plan of where the heads stand");
   flags(survey, false);
   survey->footer("example: touchline-inspect survey --recording match --out out/p");
+  CLI::App* trainer = app.add_subcommand(
+      "train", "click on background in a still or a frame: its colours are no people any more");
+  inspect::TrainingSteps steps;
+  std::vector<std::string> clicks;
+  trainer->add_option("--recording", recording_path, "a folder with recording.toml")->required();
+  trainer->add_option("--camera", steps.camera.value, "whose picture")->required();
+  auto* still = trainer->add_option("--still", steps.still, "the survey still clicked on, from 0");
+  trainer->add_option("--frame", steps.frame, "a frame of the video in its place")->excludes(still);
+  trainer->add_option("--click", clicks, "a background pixel, as x,y; may be given several times");
+  trainer->add_option("--undo", steps.undo, "takes this many clicks back first")
+      ->check(CLI::Range(0, 256));
+  trainer->add_option("--r1", steps.r1, "R'G'B' distance (of 255) within which all is background");
+  trainer->add_option("--r2", steps.r2, "and beyond which nothing is");
+  trainer->add_option("--colours", steps.colours, "the file of the camera's colours")->required();
+  trainer->add_option("--out", steps.out, "the preview, a PNG file")->required();
+  trainer->add_option("--width", steps.width, "it is made smaller to this, pixels")
+      ->check(CLI::Range(160, 8192));
+  trainer->footer(
+      "example: touchline-inspect train --recording match --camera m1 --click 640,500 --colours "
+      "m1-colours.toml --out marked.png\nThe unit takes the file as `colours` of its [key].");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -60,6 +108,7 @@ int main(int argc, char** argv) {
   }
   const auto recording = recording::load_recording(recording_path);
   if (!recording) return failed(recording.error());
+  if (*trainer) return train(*recording, steps, clicks);
   for (const std::string& camera : cameras) {
     if (recording->find(base::CameraId{camera}) == nullptr) {
       return failed({base::ErrorKind::kArgument, "--camera",
