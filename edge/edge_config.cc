@@ -103,9 +103,13 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path) {
   out.hub_timeout_s = wire.number("hub_timeout_s", out.hub_timeout_s, {1, 3600});
   read_chain(*document, out.chain);
   if (const auto colours = document->root().table("key").optional_text("colours")) {
-    auto training = key::load_colour_training(path.parent_path() / *colours);
-    if (!training) return base::fail(training.error());
-    out.chain.key.colours = std::move(*training);
+    out.chain.key_colours = path.parent_path() / *colours;
+    std::error_code error;
+    if (std::filesystem::exists(out.chain.key_colours, error)) {
+      auto training = key::load_colour_training(out.chain.key_colours);
+      if (!training) return base::fail(training.error());
+      out.chain.key.colours = std::move(*training);
+    }
   }
   read_head(*document, out.head);
   read_tracking(*document, out.tracking);

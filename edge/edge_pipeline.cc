@@ -86,7 +86,18 @@ void capture_frames(capture::FrameSource& source, base::BoundedQueue<image::Fram
   queue.close();
 }
 
-void process_frames(const ChainSetup& setup, const ChainOptions& options,
+// What the hub has asked for since the last frame.
+void take_commands(wire::EdgeLink& link, FrameChain& chain) {
+  while (const auto command = link.take_command()) {
+    if (command->kind == wire::CommandKind::kKeyTraining) {
+      chain.train_key(command->text);
+    } else {
+      base::log_warning("the hub sent a command that this unit has no use for: " + command->text);
+    }
+  }
+}
+
+void process_frames(wire::EdgeLink& link, const ChainSetup& setup, const ChainOptions& options,
                     std::vector<image::Frame> stills, runtime::Executor& executor,
                     head::HeadSource* head, publish::TrackingOut& tracking,
                     base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
@@ -105,8 +116,10 @@ void process_frames(const ChainSetup& setup, const ChainOptions& options,
     return out.push({std::move(output), chain->report(), tracking.counts()}, stop);
   };
   while (auto frame = in.pop(stop)) {
+    take_commands(link, *chain);
     if (!hand_on(chain->push(std::move(*frame)))) break;
   }
+  take_commands(link, *chain);
   if (!stop.stop_requested()) hand_on(chain->finish());
   report = chain->report();
   if (report.survey_error) trouble.set(*report.survey_error);
@@ -146,8 +159,8 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
     executor = std::make_unique<runtime::InlineExecutor>();
   }
   std::jthread process_thread([&] {
-    process_frames(setup, config.chain, std::move(stills.frames), *executor, head, *tracking,
-                   captured, outgoing, report.chain, trouble, end.get_token());
+    process_frames(**link, setup, config.chain, std::move(stills.frames), *executor, head,
+                   *tracking, captured, outgoing, report.chain, trouble, end.get_token());
   });
 
   // This thread publishes.

@@ -9,6 +9,7 @@
 
 #include "edge/chain_internal.h"
 #include "edge/compensate/compensator.h"
+#include "edge/key/training_order.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::edge {
@@ -87,6 +88,7 @@ struct FrameChain::Impl {
   bool running = false;                                      // the hold-back is over
   bool calibrated_any = false;
   std::uint64_t held_bytes = 0;
+  image::FramePtr newest;  // that went through the stages: what an operator clicks on
   std::uint64_t frames_since_plate = 0;
 
   ChainReport report;
@@ -272,6 +274,7 @@ struct FrameChain::Impl {
     start_plate(estimates);
     for (std::size_t i = 0; i < held.size(); ++i) learn_plate(*held[i], estimates[i]);
     publish_plate(out);
+    newest = held.back();
     for (std::size_t i = 0; i < held.size(); ++i) {
       out.views.push_back(encode_frame(*held[i], estimates[i], sent_plate));
       held[i].reset();
@@ -329,6 +332,7 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   }
   ChainOutput out;
   const image::FramePtr clean = impl_->compensated(*frame);
+  impl_->newest = clean;
   impl_->follow_anew(impl_->finder->retry(clean));
   geometry::CameraEstimate estimate = impl_->calibrate_frame(*clean, counts);
   // The finder looks at lines: what encoders or texture say is nothing to it.
@@ -347,6 +351,14 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   const auto snapshot = impl_->plate ? impl_->plate->snapshot() : nullptr;
   out.views.push_back(impl_->encode_frame(*clean, estimate, snapshot));
   return impl_->done(std::move(out));
+}
+
+void FrameChain::train_key(std::string_view order) {
+  const auto parsed = key::parse_training_order(order);
+  auto done = parsed ? key::obey(*parsed, impl_->newest.get(), impl_->options.key_colours,
+                                 impl_->options.key.colours)
+                     : base::fail(parsed.error());
+  impl_->note(done ? std::move(*done) : base::to_string(done.error()));
 }
 
 ChainOutput FrameChain::finish() {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "edge/calibrate/survey.h"
@@ -41,6 +43,7 @@ struct ChainOptions {
   HeadOptions head;
   plate::PlateOptions plate;
   key::KeyOptions key;
+  std::filesystem::path key_colours;  // where the operator's colours are kept; empty: nowhere
   encode::EncodeOptions encode;
   codec::EncodeOptions codec;
   codec::PlateTileOptions plate_tiles;
@@ -96,6 +99,9 @@ class FrameChain {
   // as it comes. A frame that cannot be encoded still comes out, without parts, with a note and
   // counted.
   ChainOutput push(image::FramePtr frame);
+  // What the operator says of the key's colours, from the next frame on (key/training_order.h has
+  // the words). What came of it is a note of the next output.
+  void train_key(std::string_view order);
   // No more frames: what is held, and the tiles of the final plate.
   ChainOutput finish();
 

@@ -12,6 +12,8 @@
 #include <utility>
 #include <variant>
 
+#include "hub/command/control_socket.h"
+#include "hub/command/order.h"
 #include "hub/receive/receive.h"
 #include "hub/session/session_writer.h"
 #include "hub/synchronise/synchroniser.h"
@@ -261,6 +263,16 @@ class Ingest {
   bool joining_over_ = false;
 };
 
+// What an operator's line came to.
+std::string answer(wire::HubLink& link, const std::string& line) {
+  const auto order = command::parse_order(line);
+  if (!order) return "not sent: " + base::to_string(order.error());
+  if (base::Status sent = link.send(*order); !sent)
+    return "not sent: " + base::to_string(sent.error());
+  base::log_info(order->camera + ": told: " + order->text);
+  return "sent to " + order->camera;
+}
+
 }  // namespace
 
 bool IngestReport::complete() const {
@@ -280,6 +292,16 @@ base::Result<IngestReport> ingest(const HubConfig& config,
   for (const session::SessionCamera& camera : config.info.cameras) ids.push_back(camera.id);
   auto link = wire::HubLink::open(config.link, ids);
   if (!link) return base::fail(link.error());
+
+  std::optional<command::ControlSocket> control;
+  if (!options.control.empty()) {
+    auto opened = command::ControlSocket::open(options.control);
+    if (!opened) return base::fail(opened.error());
+    control.emplace(std::move(*opened));
+  }
+  std::jthread orders([&](std::stop_token end) {
+    if (control) control->serve([&](const std::string& line) { return answer(**link, line); }, end);
+  });
 
   Ingest state(config, *writer, options);
   std::mutex mutex;

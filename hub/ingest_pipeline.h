@@ -34,7 +34,8 @@ struct IngestReport {
 };
 
 struct IngestOptions {
-  bool overwrite = false;  // replace a session that is there
+  bool overwrite = false;         // replace a session that is there
+  std::filesystem::path control;  // socket for operators' orders (hub/command); empty: none
   // Called now and then with frames so far, for people who watch.
   std::function<void(const IngestReport&)> progress;
 };

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "hub/command/control_socket.h"
 #include "hub/hub_config.h"
 #include "hub/ingest_pipeline.h"
 #include "hub/session_export.h"
@@ -34,6 +35,8 @@ struct Arguments {
   std::string profile;
   int domain = -1;
   std::string tag;
+  std::string control;
+  std::vector<std::string> order;
   std::string out;
   std::string path;
   std::string size;
@@ -108,6 +111,7 @@ int run(const Arguments& arguments) {
   (*service)->ready("waiting for units");
   hub::IngestOptions options;
   options.overwrite = arguments.force;
+  options.control = arguments.control;
   std::uint64_t told = 0;
   options.progress = [&](const hub::IngestReport& report) {
     (*service)->alive();
@@ -231,6 +235,15 @@ int export_session(const Arguments& arguments, What what) {
       break;
   }
   return status ? 0 : failed(status.error());
+}
+
+int tell(const Arguments& arguments) {
+  std::string line;
+  for (const std::string& word : arguments.order) line += (line.empty() ? "" : " ") + word;
+  const auto reply = command::ask(arguments.control, line, std::chrono::seconds(10));
+  if (!reply) return failed(reply.error());
+  std::printf("%s\n", reply->c_str());
+  return reply->starts_with("sent") ? 0 : 1;
 }
 
 int info(const Arguments& arguments) {
@@ -388,6 +401,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"live", "replay"}));
   run_verb->add_option("--domain", arguments.domain, "DDS domain")->check(CLI::Range(0, 230));
   run_verb->add_option("--tag", arguments.tag, "units and hub meet only under the same tag");
+  run_verb->add_option("--control", arguments.control,
+                       "a socket to make, at which `command` reaches this hub");
   run_verb->footer(
       "example: touchline-hub run --config /etc/touchline/hub.toml --session "
       "/var/lib/touchline/session");
@@ -434,6 +449,16 @@ int main(int argc, char** argv) {
   json_flag(verify_verb);
   verify_verb->add_flag("--decode", arguments.decode, "decode every payload as well");
   verify_verb->footer("example: touchline-hub verify --session out/s --decode");
+  CLI::App* command_verb =
+      app.add_subcommand("command", "tell a unit something, through a hub that runs");
+  command_verb->add_option("--control", arguments.control, "that hub's socket")->required();
+  command_verb
+      ->add_option("order", arguments.order,
+                   "a camera, what of it, and the order: m1 key click 640 360")
+      ->required();
+  command_verb->footer(
+      "orders to a key: click X Y, colour #3a7d2c, undo, radii R1 R2, clear, save, load\n"
+      "example: touchline-hub command --control /run/touchline/hub.sock m1 key click 640 360");
   CLI::App* version_verb = app.add_subcommand("version", "print the version");
 
   try {
@@ -445,6 +470,7 @@ int main(int argc, char** argv) {
   if (*render_verb) return render_pictures(arguments);
   if (*info_verb) return info(arguments);
   if (*verify_verb) return verify(arguments);
+  if (*command_verb) return tell(arguments);
   if (*version_verb) std::printf("touchline-hub %s\n", kVersion);
   for (const auto& [verb, what] : exports) {
     if (*export_verb && *verb) return export_session(arguments, what);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <optional>
 #include <system_error>
 
 #include "shared/base/bounds.h"
@@ -17,17 +16,6 @@ namespace {
 
 constexpr std::string_view kFormat = "touchline-key-colours";
 constexpr int kVersion = 1;
-
-std::optional<image::Rgb8> parse_colour(std::string_view word) {
-  if (word.size() != 7 || word[0] != '#') return std::nullopt;
-  unsigned value = 0;
-  const char* end = word.data() + word.size();
-  const auto read = std::from_chars(word.data() + 1, end, value, 16);
-  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
-  return image::Rgb8{static_cast<std::uint8_t>(value >> 16U),
-                     static_cast<std::uint8_t>(value >> 8U & 255U),
-                     static_cast<std::uint8_t>(value & 255U)};
-}
 
 base::Result<ColourTraining> read(base::Result<config::Document> document) {
   if (!document) return base::fail(document.error());
@@ -48,7 +36,7 @@ base::Result<ColourTraining> read(base::Result<config::Document> document) {
     root.reject("background", fmt::format("{} colours", words.size()),
                 fmt::format("at most {}", ColourTraining::kMost));
   for (const std::string& word : words) {
-    const auto colour = parse_colour(word);
+    const auto colour = colour_of(word);
     if (!colour) {
       root.reject("background", fmt::format("'{}' is no colour", word), "write it as \"#3a7d2c\"");
       break;
@@ -61,6 +49,21 @@ base::Result<ColourTraining> read(base::Result<config::Document> document) {
 }
 
 }  // namespace
+
+std::optional<image::Rgb8> colour_of(std::string_view text) {
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  unsigned value = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + 1, end, value, 16);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+  return image::Rgb8{static_cast<std::uint8_t>(value >> 16U),
+                     static_cast<std::uint8_t>(value >> 8U & 255U),
+                     static_cast<std::uint8_t>(value & 255U)};
+}
+
+std::string colour_text(image::Rgb8 colour) {
+  return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b);
+}
 
 bool ColourTraining::click(image::Rgb8 colour) {
   if (background.size() >= kMost) return false;
@@ -84,7 +87,7 @@ base::Status ColourTraining::validate() const {
 std::string to_text(const ColourTraining& training) {
   std::string colours;
   for (const image::Rgb8& c : training.background)
-    colours += fmt::format("{}\"#{:02x}{:02x}{:02x}\"", colours.empty() ? "" : ", ", c.r, c.g, c.b);
+    colours += fmt::format("{}\"{}\"", colours.empty() ? "" : ", ", colour_text(c));
   return fmt::format("format = \"{}\"\nversion = {}\nr1 = {}\nr2 = {}\nbackground = [{}]\n",
                      kFormat, kVersion, training.r1, training.r2, colours);
 }

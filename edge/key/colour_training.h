@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,10 @@ base::Result<ColourTraining> load_colour_training(const std::filesystem::path& p
 // A file that is there is replaced whole or not at all. Errors: kIo.
 base::Status save_colour_training(const std::filesystem::path& path,
                                   const ColourTraining& training);
+
+// "#3a7d2c", and back; nothing for other text.
+std::string colour_text(image::Rgb8 colour);
+std::optional<image::Rgb8> colour_of(std::string_view text);
 
 // The mean colour of the 3 by 3 pixels round a clicked one, which noise moves less than one pixel;
 // pixels beyond the border are left out. Errors: outside the frame.
