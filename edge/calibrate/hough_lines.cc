@@ -39,7 +39,7 @@ class HoughSpace {
   }
 
   // The strongest line, neighbours in rho counted in.
-  bool peak(Eigen::Vector2d& normal, double& offset) const {
+  bool peak(Eigen::Vector2d& normal, double& offset) {
     int most = 0;
     int best_theta = -1;
     int best_rho = 0;
@@ -55,16 +55,25 @@ class HoughSpace {
       }
     }
     if (best_theta < 0) return false;
+    last_ = static_cast<std::size_t>(best_theta * rho_bins_ + best_rho);
     normal = {cos_[static_cast<std::size_t>(best_theta)],
               sin_[static_cast<std::size_t>(best_theta)]};
     offset = (best_rho + 1) * kRhoStep - reach_;
     return true;
   }
 
+  // The last peak is none from now on.
+  void forget_peak() {
+    votes_[last_] = kForgotten;
+    votes_[last_ + 1] = kForgotten;
+  }
+
  private:
+  static constexpr int kForgotten = -(1 << 28);
   double reach_;
   int rho_bins_;
   std::vector<int> votes_;
+  std::size_t last_ = 0;
   std::array<double, kThetaBins> cos_{};
   std::array<double, kThetaBins> sin_{};
 };
@@ -150,7 +159,8 @@ std::vector<LineHypothesis> find_lines(const std::vector<RidgePoint>& points, in
     }
     if (good) lines.push_back(line);
     if (!good) ++failures;
-    if (removed == 0) break;
+    // Points along a bow vote for a line that, once fitted, none of them is on.
+    if (removed == 0) space.forget_peak();
   }
   std::stable_sort(
       lines.begin(), lines.end(),

@@ -9,7 +9,6 @@ namespace touchline::calibrate {
 namespace {
 
 constexpr double kLeastVisibleWidthPx = 0.9;  // paint thinner than this counts less
-constexpr double kBesideWeight = 0.7;         // of a ridge off the pitch that nothing explains
 constexpr double kOffTurfWeight = 0.4;        // a predicted line where no turf is may be hidden
 constexpr double kFullWidthPx = 1.6;          // paint this wide has its full contrast
 constexpr std::size_t kMostMarkings = 48;     // of a pitch
@@ -18,7 +17,6 @@ constexpr double kMostDashShare = 0.85;       // a line seen over more of its le
 constexpr double kSolidPenalty = 5;           // of its credit, by the share that is seen beyond
 constexpr double kLeastGap_m = 1.5;           // between dashes
 constexpr double kShowingGap = 3.5;           // in reaches of a ridge point along its line
-constexpr float kLeastAlong = 0.30F;          // sine between a ridge and a marking that still agree
 
 // Projection in single precision for scoring.
 struct FastCamera {
@@ -159,101 +157,11 @@ PoseScore from_tally(const Tally& sum) {
   return score;
 }
 
-// Nearest point of a marking's centre line in plan.
-double foot(const pitch::Marking& marking, const Eigen::Vector2d& p, double& squared) {
-  double along = 0;
-  if (marking.shape == pitch::MarkingShape::kLine) {
-    const Eigen::Vector2d d = marking.end - marking.start;
-    const double length = d.norm();
-    along = std::clamp((p - marking.start).dot(d) / std::max(length, 1e-9), 0.0, length);
-  } else {
-    double angle = std::atan2(p.y() - marking.centre.y(), p.x() - marking.centre.x());
-    constexpr double kTurn = 6.283185307179586;
-    while (angle < marking.start_angle) angle += kTurn;
-    while (angle > marking.start_angle + kTurn) angle -= kTurn;
-    if (angle > marking.end_angle) {
-      const double over = angle - marking.end_angle;
-      const double under = marking.start_angle + kTurn - angle;
-      angle = over < under ? marking.end_angle : marking.start_angle;
-    }
-    along = (angle - marking.start_angle) * marking.radius;
-  }
-  squared = (marking.at(along) - p).squaredNorm();
-  return along;
-}
-
-bool through_goal(const pitch::PitchModel& pitch, const Eigen::Vector3d& origin,
-                  const Eigen::Vector3d& direction) {
-  for (const double side : {-1.0, 1.0}) {
-    const double line = 0.5 * pitch.length_m;
-    const double x0 = side > 0 ? line - 0.5 : -line - 3.0;
-    const Eigen::Vector3d low(x0, -0.5 * pitch.goal_width_m - 0.5, -0.6);
-    const Eigen::Vector3d high(x0 + 3.5, 0.5 * pitch.goal_width_m + 0.5, pitch.goal_height_m + 0.3);
-    double enter = 0;
-    double leave = 1e9;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double d = direction[axis];
-      if (std::abs(d) < 1e-12) {
-        if (origin[axis] < low[axis] || origin[axis] > high[axis]) leave = -1;
-        continue;
-      }
-      const double a = (low[axis] - origin[axis]) / d;
-      const double b = (high[axis] - origin[axis]) / d;
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    }
-    if (enter < leave) return true;
-  }
-  return false;
-}
-
-PointOnMarking match_on_ground(const pitch::PitchModel& pitch, const Pose& pose,
-                               const RidgePoint& point, const Eigen::Vector2d& ground,
-                               double tolerance_px) {
-  PointOnMarking best;
-  double least = tolerance_px;
-  for (std::size_t i = 0; i < pitch.markings.size(); ++i) {
-    const pitch::Marking& marking = pitch.markings[i];
-    if (marking.shape == pitch::MarkingShape::kSpot) continue;
-    double squared = 0;
-    const double along = foot(marking, ground, squared);
-    if (squared > 25.0) continue;
-    const Eigen::Vector3d world = pitch.on_turf(marking.at(along));
-    const Eigen::Vector3d p = pose.rotation * (world - pose.position);
-    const std::optional<Eigen::Vector2d> pixel = pose.model.project(p);
-    if (!pixel) continue;
-    const Eigen::Vector2d tangent = marking.tangent(along);
-    const Eigen::Vector3d t = pose.rotation * Eigen::Vector3d(tangent.x(), tangent.y(), 0);
-    Eigen::Vector2d direction(t.x() - p.x() / p.z() * t.z(), t.y() - p.y() / p.z() * t.z());
-    direction.normalize();
-    if (std::abs(direction.dot(point.normal.cast<double>())) > double{kLeastAlong}) continue;
-    const Eigen::Vector2d off = point.position.cast<double>() - *pixel;
-    const double across = -direction.y() * off.x() + direction.x() * off.y();
-    // Along the line a foot at the marking's end may be off by as much again.
-    const double beyond = std::abs(direction.dot(off));
-    const double at_end = along <= 0 || along >= marking.length() ? beyond : 0;
-    const double distance = std::max(std::abs(across), at_end);
-    if (distance < least) {
-      least = distance;
-      best.marking = static_cast<int>(i);
-      best.distance = along;
-      best.across_px = across;
-    }
-  }
-  return best;
-}
-
-std::optional<Eigen::Vector3d> cast_on_turf(const pitch::PitchModel& pitch, const Pose& pose,
-                                            const Eigen::Vector2d& pixel,
-                                            Eigen::Vector3d& direction) {
-  direction = pose.rotation.transpose() * pose.model.unproject(pixel);
-  return pitch::intersect_turf(pitch, pose.position, direction);
-}
-
 }  // namespace
 
 MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m) {
   MarkingSamples result;
+  result.bars = pitch.bars;
   for (std::size_t i = 0; i < std::min(pitch.markings.size(), kMostMarkings); ++i)
     result.dashed.push_back(pitch.markings[i].dashed);
   for (std::size_t i = 0; i < result.dashed.size(); ++i) {
@@ -279,6 +187,11 @@ MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m)
   return result;
 }
 
+PoseScore score_markings(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                         double tolerance_px) {
+  return from_tally(tally(map, samples, pose, tolerance_px));
+}
+
 PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
                      double tolerance_px) {
   const Tally sum = tally(map, samples, pose, tolerance_px);
@@ -287,42 +200,6 @@ PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Po
   for (const Tally::Marking& marking : sum.markings) matched += marking.matched_px;
   if (!map.points.empty())
     score.explained = std::min(1.0, matched / static_cast<double>(map.points.size()));
-  return score;
-}
-
-PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
-                      const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
-                      int most_points) {
-  PoseScore score = from_tally(tally(map, samples, pose, tolerance_px));
-  const std::size_t stride =
-      std::max<std::size_t>(1, map.points.size() / static_cast<std::size_t>(most_points));
-  const double length = 0.5 * pitch.length_m + pitch.in_goal_m + 1.5;
-  const double width = 0.5 * pitch.width_m + 1.5;
-  double all = 0;
-  double explained = 0;
-  for (std::size_t i = 0; i < map.points.size(); i += stride) {
-    const RidgePoint& point = map.points[i];
-    Eigen::Vector3d direction;
-    const auto ground = cast_on_turf(pitch, pose, point.position.cast<double>(), direction);
-    const double weight = double{point.contrast} / (double{point.contrast} + 60.0);
-    if (!ground) {  // turf above the horizon
-      all += weight;
-      continue;
-    }
-    const PointOnMarking match =
-        match_on_ground(pitch, pose, point, ground->head<2>(), tolerance_px);
-    if (match.marking >= 0) {
-      all += weight;
-      explained += weight;
-      continue;
-    }
-    if (through_goal(pitch, pose.position, direction)) continue;
-    // Beside the pitch there may be other paint, but no pose may put all lines there.
-    const bool beside = std::abs(ground->x()) > length || std::abs(ground->y()) > width;
-    all += beside ? kBesideWeight * weight : weight;
-  }
-  if (all > 0) score.explained = explained / all;
-  score.unexplained_px = static_cast<double>(stride) * (all - explained);
   return score;
 }
 
@@ -349,6 +226,7 @@ LineConflict line_conflict(const LineMap& map, const MarkingSamples& samples, co
     const Eigen::Vector2f u = along.normalized();
     predicted.emplace_back(pixel.x(), pixel.y(), u.x(), u.y());
   }
+  const std::vector<SeenBar> bars = seen_bars(map, samples, pose, 2 * tolerance_px);
   constexpr int kBins = 24;
   for (const LineHypothesis& line : map.lines) {
     const Eigen::Vector2f start = line.start.cast<float>();
@@ -365,32 +243,16 @@ LineConflict line_conflict(const LineMap& map, const MarkingSamples& samples, co
         continue;
       named[static_cast<std::size_t>(t * kBins)] = true;
     }
+    for (int i = 0; i < kBins; ++i) {
+      const Eigen::Vector2f p = start + span * ((static_cast<float>(i) + 0.5F) / kBins);
+      for (const SeenBar& bar : bars)
+        if (bar.passes(p, {-u.y(), u.x()}, 2 * static_cast<float>(tolerance_px)))
+          named[static_cast<std::size_t>(i)] = true;
+    }
     if (static_cast<double>(std::count(named.begin(), named.end(), true)) < kHardly * kBins)
       ++conflict.unnamed;
   }
   return conflict;
-}
-
-PointOnMarking match_point(const pitch::PitchModel& pitch, const Pose& pose,
-                           const RidgePoint& point, double tolerance_px) {
-  Eigen::Vector3d direction;
-  const auto ground = cast_on_turf(pitch, pose, point.position.cast<double>(), direction);
-  if (!ground) return {};
-  return match_on_ground(pitch, pose, point, ground->head<2>(), tolerance_px);
-}
-
-double picture_distance(const Pose& a, const Pose& b) {
-  double most = 0;
-  for (const double x : {0.0, 0.5, 1.0}) {
-    for (const double y : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector2d pixel(x * (a.model.width - 1), y * (a.model.height - 1));
-      const Eigen::Vector3d ray = b.rotation * (a.rotation.transpose() * a.model.unproject(pixel));
-      const auto other = b.model.project(ray);
-      if (!other) return std::numeric_limits<double>::infinity();
-      most = std::max(most, (*other - pixel).norm());
-    }
-  }
-  return most;
 }
 
 double width_ratio(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
@@ -429,27 +291,6 @@ bool widths_agree(const LineMap& map, const MarkingSamples& samples, const Pose&
                   double tolerance_px) {
   const double ratio = width_ratio(map, samples, pose, tolerance_px);
   return ratio == 0 || (ratio > 0.62 && ratio < 1.7);
-}
-
-double turf_distance(const pitch::PitchModel& pitch, const Pose& a, const Pose& b) {
-  constexpr int kGrid = 8;
-  double sum = 0;
-  int count = 0;
-  for (int i = 0; i <= kGrid; ++i) {
-    for (int k = 0; k <= kGrid; ++k) {
-      const Eigen::Vector2d pixel(i * (a.model.width - 1.0) / kGrid,
-                                  k * (a.model.height - 1.0) / kGrid);
-      Eigen::Vector3d direction;
-      const auto ground = cast_on_turf(pitch, a, pixel, direction);
-      if (!ground || std::abs(ground->x()) > 0.5 * pitch.length_m + pitch.in_goal_m + 5 ||
-          std::abs(ground->y()) > 0.5 * pitch.width_m + 5)
-        continue;
-      const auto other = b.model.project(b.rotation * (*ground - b.position));
-      sum += other ? (*other - pixel).squaredNorm() : 1e8;
-      ++count;
-    }
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 }  // namespace touchline::calibrate

@@ -30,7 +30,11 @@ struct MarkingSamples {
   };
   std::vector<Sample> samples;
   std::vector<bool> dashed;  // one a marking of the pitch
+  std::vector<pitch::Bar> bars;
 };
+// Sine between a ridge and a marking that still agree.
+constexpr float kLeastAlong = 0.30F;
+
 MarkingSamples sample_markings(const pitch::PitchModel& pitch, double spacing_m);
 
 struct PoseScore {
@@ -49,20 +53,37 @@ struct PoseScore {
   }
 };
 
+// Without `explained`.
+PoseScore score_markings(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                         double tolerance_px);
+
 // Fast: `explained` is the matched length over the number of ridge points. Samples at
 // `tolerance_px` count nothing.
 PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
                      double tolerance_px);
 
 // Exact: every ridge point (or evenly chosen ones, at most `most_points`) is cast on the turf and
-// compared with its nearest marking. Points on goals do not count, points off the pitch less.
+// compared with its nearest marking. Points on goals and on bars that are seen do not count, points
+// off the pitch less.
 PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
                       const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
                       int most_points);
 
+// A bar of a goal that is seen before the turf: its ends in the picture.
+struct SeenBar {
+  Eigen::Vector2f start, along;  // along: to the other end
+  // Through `p`, in the direction of a line with that normal.
+  bool passes(const Eigen::Vector2f& p, const Eigen::Vector2f& line_normal, float tolerance) const;
+};
+// The bars that the pose puts on ridges over most of their length before the turf. Only they
+// account for ridges: a pose must not hide a line behind a post that is not there.
+std::vector<SeenBar> seen_bars(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
+                               double tolerance_px);
+
 // Whole lines that speak against a pose: markings that should be seen over a good part of the
-// picture and are not, and straight lines of the picture that lie on no marking. Paint may be worn
-// or hidden, and a pitch may carry other lines; both at once are a pose slipped from line to line.
+// picture and are not, and straight lines of the picture that lie on no marking and no bar. Paint
+// may be worn or hidden, and a pitch may carry other lines; both at once are a pose slipped from
+// line to line.
 struct LineConflict {
   int missing = 0;
   int unnamed = 0;

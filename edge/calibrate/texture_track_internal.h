@@ -14,7 +14,7 @@ namespace touchline::calibrate {
 struct TextureTrackOptions {
   double least_correlation = 0.6;
   int most_points = 240;
-  double inlier_px = 3;        // of the picture
+  double inlier_px = 3;          // of the picture
   double point_floor_px = 0.15;  // the same
 };
 
