@@ -8,6 +8,7 @@
 #include <map>
 
 #include "edge/calibrate/cold_circle_internal.h"
+#include "edge/calibrate/pitch_pencil_internal.h"
 #include "edge/calibrate/pose_score_internal.h"
 #include "shared/base/bounds.h"
 
@@ -20,46 +21,12 @@ constexpr double kConvincing = 0.85;            // score that ends the search
 constexpr int kCentreLines = 6;                 // that are tried for the halfway line
 constexpr double kCentreSlope = 0.02;           // sine between a touchline and its hypothesis
 constexpr std::size_t kCirclePoints = 240;      // that the circle is looked for in
-constexpr std::size_t kScored = 300;            // proposals that are looked at closer
-constexpr double kCellPlace = 2.5;              // metres: places that differ by less are one
-constexpr double kCellLog = 0.08;               // the same, of log height and log focal length
-constexpr double kCellTurn = 0.02;              // the same, of the optical axis
-
-// All straight markings that lie on one line of the pitch, along X or along Y.
-struct PencilLine {
-  double at = 0;  // y of a line along X, x of a line along Y
-  double z = 0;
-  std::vector<std::array<double, 2>> spans;
-
-  bool covers(double along, double slack) const {
-    for (const auto& span : spans)
-      if (along > span[0] - slack && along < span[1] + slack) return true;
-    return false;
-  }
-};
-
-// The lines along X (axis 0) or along Y (axis 1).
-std::vector<PencilLine> pencil(const pitch::PitchModel& pitch, int axis) {
-  std::vector<PencilLine> lines;
-  const int other = 1 - axis;
-  for (const pitch::Marking& marking : pitch.markings) {
-    if (marking.shape != pitch::MarkingShape::kLine) continue;
-    if (std::abs(marking.start[other] - marking.end[other]) > 0.01) continue;
-    const double at = marking.start[other];
-    auto line = std::find_if(lines.begin(), lines.end(), [&](const PencilLine& candidate) {
-      return std::abs(candidate.at - at) < 0.05;
-    });
-    if (line == lines.end()) {
-      lines.push_back({});
-      line = lines.end() - 1;
-      line->at = at;
-      line->z = axis == 0 ? pitch.turf_z(at) : -pitch.crown_m / 3;
-    }
-    line->spans.push_back({std::min(marking.start[axis], marking.end[axis]),
-                           std::max(marking.start[axis], marking.end[axis])});
-  }
-  return lines;
-}
+constexpr double kLongLine = 0.4;               // of the picture's width
+constexpr double kOnLinePx = 6;       // points this near to a line are on it, at 1080 lines
+constexpr std::size_t kScored = 300;  // proposals that are looked at closer
+constexpr double kCellPlace = 2.5;    // metres: places that differ by less are one
+constexpr double kCellLog = 0.08;     // the same, of log height and log focal length
+constexpr double kCellTurn = 0.02;    // the same, of the optical axis
 
 using PlaceKey = std::array<int, 6>;
 
@@ -197,10 +164,22 @@ class Search {
                                        return marking.id == pitch::MarkingId::kCentreCircle;
                                      });
     if (circle == pitch_.markings.end()) return;
+    // Points on long lines are not on the circle, whose flat parts are short.
+    const auto on_line = [&](const Eigen::Vector2d& p) {
+      return std::any_of(lines_.begin(), lines_.end(), [&](const CentredLine& line) {
+        return (line.end - line.start).norm() > kLongLine * map_.width &&
+               std::abs(line.line.head<2>().dot(p) + line.line.z()) < kOnLinePx * scale_ &&
+               between(line, p);
+      });
+    };
+    std::vector<Eigen::Vector2d> all;
+    for (const RidgePoint& point : map_.points) {
+      const Eigen::Vector2d p = point.position.cast<double>() - centre_;
+      if (!on_line(p)) all.push_back(p);
+    }
     std::vector<Eigen::Vector2d> points;
-    const std::size_t stride = 1 + map_.points.size() / kCirclePoints;
-    for (std::size_t i = 0; i < map_.points.size(); i += stride)
-      points.push_back(map_.points[i].position.cast<double>() - centre_);
+    const std::size_t stride = 1 + all.size() / kCirclePoints;
+    for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
     CircleSearch search;
     search.least_focal = options_.least_focal * map_.width;
     search.most_focal = options_.most_focal * map_.width;

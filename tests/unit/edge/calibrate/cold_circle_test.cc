@@ -4,7 +4,9 @@
 #include <random>
 
 #include "edge/calibrate/cold_circle_internal.h"
+#include "edge/calibrate/cold_start.h"
 #include "shared/geometry/camera_estimate.h"
+#include "tests/unit/edge/calibrate/drawn_pitch.h"
 #include "tests/unit/edge/calibrate/painted_pitch.h"
 
 namespace touchline::calibrate {
@@ -69,6 +71,30 @@ TEST(CircleProposals, NothingWithoutACircle) {
   search.tolerance_px = 2;
   EXPECT_TRUE(circle_proposals({1, 0, 0}, points, search).empty());
   EXPECT_TRUE(circle_proposals({1, 0, 0}, {}, search).empty());
+}
+
+// From behind a goal all lines run across the picture, and most points are on them.
+TEST(ColdStart, FindsTheCircleAmongLongLines) {
+  DrawnScene scene;
+  scene.pitch = *pitch::make_pitch(pitch::Sport::kSoccer, {105, 68, {}, 0, {}});
+  scene.side = Side::kRight;
+  geometry::Mount& mount = scene.mount;
+  mount.position_in_world = {75, 11.6, 12};
+  mount.width = 960;
+  mount.height = 540;
+  mount.cx = 479.5;
+  mount.cy = 269.5;
+  constexpr double kDegree = M_PI / 180;
+  constexpr double kFocal = 1840;
+  scene.camera.model = geometry::camera_model(mount, kFocal);
+  scene.camera.cam_from_world =
+      geometry::cam_from_world(mount, {-97 * kDegree, -9 * kDegree, 0, kFocal});
+  const LineMap map = detect_lines(draw_scene(scene), {});
+  const auto found = cold_start(map, scene.pitch, scene.side, {});
+  ASSERT_FALSE(found.empty());
+  const Eigen::Vector3d place = geometry::origin(found.front().cam_from_world);
+  EXPECT_LT((place - mount.position_in_world).norm(), 2) << place.transpose();
+  EXPECT_NEAR(found.front().model.fx / kFocal, 1, 0.03);
 }
 
 }  // namespace
