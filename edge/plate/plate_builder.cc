@@ -12,6 +12,7 @@
 #include "edge/plate/frame_sampler.h"
 #include "edge/plate/running_mean.h"
 #include "edge/plate/sample_stack.h"
+#include "edge/plate/seed_blend.h"
 #include "edge/plate/still_seed.h"
 #include "edge/plate/turf_colour.h"
 #include "edge/plate/turf_fill.h"
@@ -25,6 +26,7 @@ constexpr int kWide = kSize + 2 * kApron;
 constexpr int kFrameBorder = 0;       // pixels at the frame's edge that are not learnt
 constexpr int kFillReach = 64;        // pixels round a hole that turf is interpolated from
 constexpr double kChromaDoubt = 1.5;  // of the deviation of chroma round a hole, in the hole
+constexpr double kBoardCodes = 12;    // least deviation of boards behind a goal, in stills
 constexpr int kRefitVersions = 20;    // versions after which stills are fitted to the video anew
 
 std::size_t wide_index(int x, int y) {
@@ -66,6 +68,7 @@ struct PlateBuilder::State {
   TileSamples samples;
   Acceptance acceptance;
   StillFit fit;
+  BlendOptions blend;
   bool fitted = false;
   std::uint32_t fitted_at = 0;  // version
 
@@ -81,7 +84,6 @@ struct PlateBuilder::State {
   void find_stale();
   void look_up_seeds();
   void fit_seeds(bool learnt);
-  void apply_seeds(const TileState& t, image::PlateTile& out) const;
   void fill(const image::PlateTileKey& key, const TileState& t, image::PlateTile& out) const;
   image::PlateSnapshot& next_snapshot();
 };
@@ -235,49 +237,25 @@ void PlateBuilder::State::fit_seeds(bool learnt) {
   const std::uint32_t version = current ? current->version : 0;
   if (stills.empty() || !(learnt || seeds_changed || version >= fitted_at + kRefitVersions)) return;
   fit = {};
+  StillFit of_all;
   for (const auto& [key, t] : tiles) {
     if (t.seed.empty() || t.tile.count.empty()) continue;
     for (int y = 4; y < kSize; y += 8)
       for (int x = 4; x < kSize; x += 8)
-        if (t.seed[tile_index(x, y)] && t.tile.count(x, y) >= 3)
-          fit.add(t.seed[tile_index(x, y)],
-                  {t.tile.mean[0](x, y) / 16.f, t.tile.mean[1](x, y) / 16.f,
-                   t.tile.mean[2](x, y) / 16.f});
+        if (t.seed[tile_index(x, y)] && t.tile.count(x, y) >= 3) {
+          const std::array<float, 3> video{t.tile.mean[0](x, y) / 16.f, t.tile.mean[1](x, y) / 16.f,
+                                           t.tile.mean[2](x, y) / 16.f};
+          of_all.add(t.seed[tile_index(x, y)], video);
+          // Nets and paint tell how sharp the still is, not what light it was taken in.
+          if (t.zones[wide_index(x, y)] == kTurf) fit.add(t.seed[tile_index(x, y)], video);
+        }
   }
-  fitted = fit.solve();
+  fitted = fit.solve() && of_all.solve();
+  const auto& apart = of_all.rms();
+  blend.noise_codes = options.noise_codes;
+  blend.board_codes = std::max(
+      kBoardCodes, 2 * Eigen::Vector3d(apart[0], apart[1], apart[2]).norm() / std::sqrt(3.0));
   fitted_at = version;
-}
-
-void PlateBuilder::State::apply_seeds(const TileState& t, image::PlateTile& tile) const {
-  if (!fitted || t.seed.empty()) return;
-  std::array<std::uint16_t, 3> deviation{};
-  for (std::size_t c = 0; c < 3; ++c)
-    deviation[c] = static_cast<std::uint16_t>(
-        16 * std::max(2.0 * fit.rms()[c], (c == 0 ? 2 : 1) * options.noise_codes));
-  // Boards behind a goal may have changed since.
-  const double all =
-      Eigen::Vector3d(fit.rms()[0], fit.rms()[1], fit.rms()[2]).norm() / std::sqrt(3.0);
-  const auto of_goal =
-      static_cast<std::uint16_t>(16 * std::max({12.0, 2.0 * all, 2 * options.noise_codes}));
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
-      const std::uint32_t seed = t.seed[tile_index(x, y)];
-      if (!seed) continue;
-      // A goal that is seldom seen as turf and net has somebody in front of it.
-      const std::uint8_t zone = t.zones[wide_index(x, y)];
-      const bool goal = zone & kOccluder;
-      if (tile.count(x, y) > (goal ? 1 : 0)) continue;
-      const auto colour = fit.apply(seed);
-      const bool paint = zone & kPaintBand;
-      if (!goal && !(paint ? turf.is_painted(colour[0], colour[1], colour[2])
-                           : turf.is_turf(colour[0], colour[1], colour[2])))
-        continue;
-      for (std::size_t c = 0; c < 3; ++c) {
-        tile.mean[c](x, y) = static_cast<std::uint16_t>(std::clamp(colour[c], 0.f, 1023.f) * 16);
-        tile.deviation[c](x, y) = goal ? of_goal : deviation[c];
-      }
-      tile.count(x, y) = 1;
-    }
 }
 
 void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& t,
@@ -457,7 +435,7 @@ std::shared_ptr<const image::PlateSnapshot> PlateBuilder::snapshot(bool fresh) {
     if (!t.stale || t.tile.count.empty()) continue;
     image::PlateTile& out = next.tiles[key];
     out = t.tile;
-    s.apply_seeds(t, out);
+    if (s.fitted && !t.seed.empty()) blend_seed(t.seed, t.zones, s.fit, s.turf, s.blend, out);
     s.fill(key, t, out);
     t.stale = false;
   }

@@ -51,6 +51,10 @@ double half_width(const pitch::Marking& m) {
   return m.shape == pitch::MarkingShape::kSpot ? m.radius : m.width / 2;
 }
 
+// What the painter leaves in its mask.
+constexpr std::uint8_t kBar = 255;  // goal frames, posts with their pads, flags
+constexpr std::uint8_t kNet = 128;
+
 class OccluderPainter {
  public:
   OccluderPainter(const image::PlateSnapshot& sphere, const image::PlateTileKey& key, int apron,
@@ -72,7 +76,7 @@ class OccluderPainter {
       const auto a = place(p);
       const auto c = place(q);
       if (!near_tile(a, width) && !near_tile(c, width)) continue;
-      cv::line(mask_, fixed(a), fixed(c), cv::Scalar(255),
+      cv::line(mask_, fixed(a), fixed(c), cv::Scalar(kBar),
                std::max(1, static_cast<int>(std::lround(width + 2 * margin_))), cv::LINE_8, 4);
     }
   }
@@ -90,8 +94,8 @@ class OccluderPainter {
       }
     if (!close) return;
     const std::vector<std::vector<cv::Point>> rings{ring};
-    cv::fillPoly(mask_, rings, cv::Scalar(255), cv::LINE_8, 4);
-    cv::polylines(mask_, rings, true, cv::Scalar(255),
+    cv::fillPoly(mask_, rings, cv::Scalar(kNet), cv::LINE_8, 4);
+    cv::polylines(mask_, rings, true, cv::Scalar(kNet),
                   std::max(1, static_cast<int>(std::lround(2 * margin_))), cv::LINE_8, 4);
   }
 
@@ -194,15 +198,18 @@ std::vector<std::uint8_t> tile_zones(const image::PlateSnapshot& sphere,
     }
 
   OccluderPainter painter(sphere, key, apron, options.occluder_margin_px);
+  for (const auto& n : pitch.nets) painter.net(n);
   for (const auto& b : pitch.bars) painter.bar(b);
   for (const auto& b : pitch::post_pads(pitch)) painter.bar(b);
-  for (const auto& n : pitch.nets) painter.net(n);
   for (int y = 0; y < size; ++y) {
     const auto* covered = painter.mask().ptr<std::uint8_t>(y);
     for (int x = 0; x < size; ++x) {
       auto& zone = zones[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) +
                          static_cast<std::size_t>(x)];
-      if (covered[x] && zone) zone = kPerhapsTurf | kOccluder;
+      if (!covered[x] || !zone) continue;
+      const bool through = covered[x] == kNet && (zone & kTurf);
+      const std::uint8_t behind = through ? kTurfBehind : std::uint8_t{0};
+      zone = static_cast<std::uint8_t>(kPerhapsTurf | kOccluder | behind);
     }
   }
   return zones;

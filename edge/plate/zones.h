@@ -16,7 +16,8 @@ inline constexpr std::uint8_t kPaintCore = 4;  // on a marking, by the model
 // The ray ends on the turf's plane, but something fixed may stand in front of it: a net or a post,
 // or hoardings beyond the margin. Turf and paint are preferred where they are seen often.
 inline constexpr std::uint8_t kPerhapsTurf = 8;
-inline constexpr std::uint8_t kOccluder = 16;  // with it: a goal frame, a net or a flag pole
+inline constexpr std::uint8_t kOccluder = 16;    // with it: a goal frame, a net or a flag pole
+inline constexpr std::uint8_t kTurfBehind = 32;  // likewise: a net before what would be kTurf
 
 struct ZoneOptions {
   double turf_margin_m = 1;
