@@ -81,7 +81,8 @@ base::Status MountOptions::validate() const {
     return base::out_of_bounds("retry_s", retry_s, "in 0.1..3600");
   if (fixed_frames < 1 || fixed_frames > 64)
     return base::out_of_bounds("fixed_frames", fixed_frames, "in 1..64");
-  for (const base::Status& part : {survey.validate(), take.validate(), calibrate.validate()}) {
+  for (const base::Status& part :
+       {survey.validate(), take.validate(), calibrate.validate(), closeup.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -99,6 +100,9 @@ MountFinder::MountFinder(const ChainSetup& setup, const MountOptions& options,
     : setup_(setup), options_(options), pitch_(std::move(pitch)), executor_(executor) {
   options_.survey = survey_options(setup, options.survey);
   options_.take.survey = options_.survey;
+  options_.closeup.survey = options_.survey;
+  options_.closeup.take = options_.take;
+  options_.closeup.calibrate = options_.calibrate;
 }
 
 std::unique_ptr<calibrate::Calibrator> MountFinder::make_calibrator() const {
@@ -242,8 +246,19 @@ void MountFinder::follow_held(std::span<const image::FramePtr> held) {
 void MountFinder::from_held(std::span<const image::FramePtr> held) {
   if (mount_ || stills_failed_ || held.empty()) return;
   const StageTimer timer(time_);
+  if (setup_.kind == HeadKind::kCloseup) return adopt_closeup(held);
   adopt_first(first_mount(setup_, options_, pitch_, held));
   follow_held(held);
+}
+
+// A close-up stands on all its held frames or on none.
+void MountFinder::adopt_closeup(std::span<const image::FramePtr> held) {
+  auto found = calibrate::survey_closeup(held, pitch_, setup_.side, options_.closeup);
+  if (!found) return note("not calibrated: " + base::to_string(found.error()));
+  adopt(found->take);
+  note_take(found->take);
+  if (!found->first.lost()) initial_ = std::move(found->first);
+  take_.emplace(pitch_, *mount_, options_.closeup.views());
 }
 
 MountFinder::Change MountFinder::retry(const image::FramePtr& frame) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "edge/calibrate/calibrator.h"
+#include "edge/calibrate/closeup_survey.h"
 #include "edge/calibrate/survey.h"
 #include "edge/calibrate/take_survey.h"
 #include "edge/chain_setup.h"
@@ -33,6 +34,8 @@ struct MountOptions {
   calibrate::SurveyOptions survey;
   calibrate::TakeSurveyOptions take;  // its survey options are those above
   calibrate::CalibrateOptions calibrate;
+  calibrate::CloseupSurveyOptions
+      closeup;  // its survey, take and calibrate options are those above
 
   base::Status validate() const;
 };
@@ -103,6 +106,7 @@ class MountFinder {
   void adopt(const calibrate::SurveyResult& result);
   void adopt(const calibrate::TakeSurveyResult& result);
   void adopt_first(FirstMount first);
+  void adopt_closeup(std::span<const image::FramePtr> held);
   void follow_held(std::span<const image::FramePtr> held);
   void look_for_sizes(const image::FramePtr& frame);
   void note(std::string text) { notes_.push_back(std::move(text)); }

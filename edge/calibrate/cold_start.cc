@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "edge/calibrate/cold_arcs_internal.h"
 #include "edge/calibrate/cold_circle_internal.h"
 #include "edge/calibrate/pitch_pencil_internal.h"
 #include "edge/calibrate/pose_score_internal.h"
@@ -18,15 +19,18 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kFurthestVanishingPoint = 60;  // in picture widths
 constexpr double kConvincing = 0.85;            // score that ends the search
+constexpr std::size_t kArcLines = 3;            // that are tried for the line beside an arc
 constexpr int kCentreLines = 6;                 // that are tried for the halfway line
 constexpr double kCentreSlope = 0.02;           // sine between a touchline and its hypothesis
 constexpr std::size_t kCirclePoints = 240;      // that the circle is looked for in
 constexpr double kLongLine = 0.4;               // of the picture's width
-constexpr double kOnLinePx = 6;       // points this near to a line are on it, at 1080 lines
-constexpr std::size_t kScored = 300;  // proposals that are looked at closer
-constexpr double kCellPlace = 2.5;    // metres: places that differ by less are one
-constexpr double kCellLog = 0.08;     // the same, of log height and log focal length
-constexpr double kCellTurn = 0.02;    // the same, of the optical axis
+constexpr double kOnLinePx = 6;          // points this near to a line are on it, at 1080 lines
+constexpr std::size_t kScored = 300;     // proposals that are looked at closer
+constexpr double kCellPlace = 2.5;       // metres: places that differ by less are one
+constexpr double kCellLog = 0.08;        // the same, of log height and log focal length
+constexpr double kCellTurn = 0.02;       // the same, of the optical axis
+constexpr double kLeastArcShare = 0.15;  // of the points off the line, on an arc
+constexpr std::size_t kArcPoints = 150;  // that arcs are looked for in
 
 using PlaceKey = std::array<int, 6>;
 
@@ -54,6 +58,7 @@ class Search {
         scale_(std::max(map.height / 1080.0, 0.4)) {
     for (int axis = 0; axis < 2; ++axis)
       pencils_[static_cast<std::size_t>(axis)] = pencil(pitch, axis);
+    if (options.arcs) arcs_ = arcs_beside_lines(pitch);
     centre_ = {0.5 * (map.width - 1), 0.5 * (map.height - 1)};
     const std::size_t count = std::min(map.lines.size(), static_cast<std::size_t>(options.lines));
     for (std::size_t i = 0; i < count; ++i) {
@@ -82,6 +87,9 @@ class Search {
     // Or no more than the halfway line and the circle.
     places_.clear();
     for (std::size_t i = 0; i < count; ++i) try_circle(lines_[i]);
+    if (options_.arcs) {
+      for (std::size_t i = 0; i < std::min<std::size_t>(count, kArcLines); ++i) try_arcs(lines_[i]);
+    }
     for (ColdHypothesis& hypothesis : finish()) found.push_back(std::move(hypothesis));
     std::stable_sort(
         found.begin(), found.end(),
@@ -185,11 +193,36 @@ class Search {
     search.most_focal = options_.most_focal * map_.width;
     search.radius_m = circle->radius;
     search.tolerance_px = 5 * scale_;
-    for (const CircleProposal& proposal : circle_proposals(halfway.line, points, search)) {
-      if (faces_pitch(proposal.rotation) &&
-          plausible(proposal.position, side_, pitch_, options_.bounds))
-        propose(proposal.focal, proposal.rotation, proposal.position);
+    for (const CircleProposal& proposal : circle_proposals(halfway.line, points, search))
+      propose_seen(proposal, Eigen::Vector3d::Zero());
+  }
+
+  // `beside` taken for a line across the pitch beside the centre of an arc, from any height.
+  void try_arcs(const CentredLine& beside) {
+    std::vector<Eigen::Vector2d> points;
+    const std::size_t stride = 1 + map_.points.size() / kArcPoints;
+    for (std::size_t i = 0; i < map_.points.size(); i += stride)
+      points.push_back(map_.points[i].position.cast<double>() - centre_);
+    for (const ArcBeside& arc : arcs_) {
+      CircleSearch search;
+      search.least_focal = options_.least_focal * map_.width;
+      search.most_focal = options_.most_focal * map_.width;
+      search.radius_m = arc.radius;
+      search.tolerance_px = 5 * scale_;
+      search.offset = arc.offset;
+      search.least_sectors = 2;
+      search.least_share = kLeastArcShare;
+      search.any_horizon = true;
+      for (const CircleProposal& proposal : circle_proposals(beside.line, points, search))
+        for (const Eigen::Vector3d& centre : proposal.turned ? arc.turned : arc.centres)
+          propose_seen(proposal, centre);
     }
+  }
+
+  void propose_seen(const CircleProposal& proposal, const Eigen::Vector3d& centre) {
+    const Eigen::Vector3d position = proposal.position + centre;
+    if (faces_pitch(proposal.rotation) && plausible(position, side_, pitch_, options_.bounds))
+      propose(proposal.focal, proposal.rotation, position);
   }
 
   void try_heights(const CentredLine& halfway, const CentredLine& touch, double focal,
@@ -408,6 +441,7 @@ class Search {
   double scale_;
   Eigen::Vector2d centre_;
   std::array<std::vector<PencilLine>, 2> pencils_;
+  std::vector<ArcBeside> arcs_;
   std::vector<CentredLine> lines_;
   std::map<PlaceKey, Proposal> places_;  // the best of each place and view
 };

@@ -25,6 +25,8 @@ struct ColdStartOptions {
   int refined = 60;          // proposals that are refined
   int kept = 12;             // hypotheses returned at most
   bool refine_lens = true;   // find k1 as well (off: no distortion)
+  // Also cameras near the turf that see one line and an arc: a close-up's. Takes seconds.
+  bool arcs = false;
   double least_confirmed = 0.6;
   double least_explained = 0.5;
 

@@ -15,6 +15,8 @@ using Eigen::Vector3d;
 using pitch::Marking;
 using pitch::MarkingShape;
 
+constexpr double kBendStep = 0.02;      // metres along an arc, to see it turn
+constexpr double kMostBend = 0.06;      // radians that an arc may turn by within its own width
 constexpr double kCoarseStep = 1.0;     // metres between projected nodes of a marking
 constexpr double kLongestRun = 1e5;     // pixels between nodes; beyond, only the ends are looked at
 constexpr double kJunctionSlack = 0.3;  // metres that two markings may miss each other and meet
@@ -187,6 +189,7 @@ class WindowPlacer {
     const double width =
         marking.width * std::abs(normal.dot(local->pixel_by_turf * Vector2d(-t.y(), t.x())));
     if (width < options_.least_width_px * scale_ || width > options_.most_width_px * scale_) return;
+    if (marking.shape == MarkingShape::kArc && bends(marking, s, width, *local)) return;
     const double from_end = std::min(s, marking.length() - s) * px_per_m;
     const bool closed = marking.shape == MarkingShape::kArc &&
                         marking.end_angle - marking.start_angle > 2 * M_PI - 1e-9;
@@ -203,6 +206,18 @@ class WindowPlacer {
     window.length_px = step_px;
     window.search_px = search(*local, normal);
     out.push_back(window);
+  }
+
+  // True where an arc turns so sharply in the picture that paint `width` wide shows no straight
+  // profile: the tip of a circle seen from near the turf.
+  bool bends(const Marking& marking, double s, double width, const Local& local) const {
+    const Vector2d before = local.pixel_by_turf * marking.tangent(s);
+    const auto next = look(pitch_, camera_, rotation_, fold_, marking.at(s + kBendStep));
+    if (!next) return true;
+    const Vector2d after = next->pixel_by_turf * marking.tangent(s + kBendStep);
+    const double turn =
+        std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after)));
+    return turn * width > kMostBend * (next->pixel - local.pixel).norm();
   }
 
   // True where a marking that meets this one `distance_px` away is too near for a clean profile.

@@ -93,6 +93,8 @@ base::Status SurveyOptions::validate() const {
         base::in_bounds("most_rms_px", most_rms_px, 0.05, 20),
         base::in_bounds("size_tolerance_m", size_tolerance_m, 0.005, 100),
         base::in_bounds("crown_sigma_m", crown_sigma_m, 0.001, 1),
+        base::in_bounds("least_confirmed", least_confirmed, 0, 1),
+        base::in_bounds("least_explained", least_explained, 0, 1),
         base::in_bounds("rounds", rounds, 2, 20)})
     if (!status) return status;
   return {};

@@ -44,7 +44,11 @@ struct SurveyOptions {
   // where they say it surely; metres.
   double size_tolerance_m = 0.12;
   double crown_sigma_m = 0.1;  // of a stated crown
-  int rounds = 4;              // measure and solve, alternating
+  // Over the solved pictures, shares of the predicted lines that are seen and of the seen lines
+  // that are predicted; 0..1.
+  double least_confirmed = 0.78;
+  double least_explained = 0.78;
+  int rounds = 4;  // measure and solve, alternating
 
   base::Status validate() const;
 };

@@ -20,7 +20,6 @@ constexpr double kSizePrior = 5;           // metres that a length or width may 
 constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
 constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
 constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
-constexpr double kLeastFit = 0.78;         // of confirmed and explained, over all solved stills
 constexpr double kLeastShown = 0.6;        // of confirmed, where so much is explained
 constexpr double kExplainsAll = 0.88;      // the same
 constexpr double kFoundSize = 0.05;        // metres: a size this sure is found
@@ -304,7 +303,8 @@ class Survey {
     // Captions and people hide lines; one picture is believed for what it shows.
     const bool shown = !head_ && confirmed >= kLeastShown && explained >= kExplainsAll;
     if (result.rms_px > options_.most_rms_px * scale_ ||
-        (!shown && (confirmed < kLeastFit || explained < kLeastFit))) {
+        (!shown &&
+         (confirmed < options_.least_confirmed || explained < options_.least_explained))) {
       return base::fail(
           base::ErrorKind::kNumerical, "survey",
           fmt::format(

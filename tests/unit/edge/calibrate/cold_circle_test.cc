@@ -60,6 +60,49 @@ TEST(CircleProposals, HoldTheCameraThatSawTheCircle) {
   }
 }
 
+// A penalty arc, half of it in sight from the touchline, and the line that it stands on.
+TEST(CircleProposals, HoldTheCameraThatSawAnArcBesideALine) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.4);
+  geometry::Mount mount;
+  mount.position_in_world = {14, -37, 2};
+  mount.width = 1920;
+  mount.height = 1080;
+  mount.cx = 959.5;
+  mount.cy = 539.5;
+  const geometry::CameraEstimate truth = camera_at(mount, -27, -1.2, 9000);
+  // The line lies at x = 0, the centre 5.44 m beyond it.
+  const double radius = 9.09;
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 200; ++i) {
+    const double angle = M_PI + (i / 199.0 - 0.5) * 2 * 0.93;
+    const Eigen::Vector2d p =
+        seen(truth, 5.44 + radius * std::cos(angle), radius * std::sin(angle));
+    if (std::abs(p.x()) < 960 && std::abs(p.y()) < 540)
+      points.emplace_back(p.x() + noise(random), p.y() + noise(random));
+  }
+  const Eigen::Vector2d a = seen(truth, 0, -9);
+  const Eigen::Vector2d b = seen(truth, 0, 9);
+  const Eigen::Vector2d along = (b - a).normalized();
+  CircleSearch search;
+  search.least_focal = 960;
+  search.most_focal = 30000;
+  search.tolerance_px = 5;
+  search.offset = 5.44 / radius;
+  search.least_sectors = 2;
+  search.any_horizon = true;
+  const auto proposals = circle_proposals(
+      {-along.y(), along.x(), along.y() * a.x() - along.x() * a.y()}, points, search);
+  double nearest = 1e9;
+  for (const CircleProposal& proposal : proposals) {
+    if (proposal.turned) continue;
+    const Eigen::Vector3d from_centre = mount.position_in_world - Eigen::Vector3d(5.44, 0, 0);
+    nearest = std::min(nearest, (proposal.position - from_centre).norm() / 40 +
+                                    std::abs(std::log(proposal.focal / 9000)));
+  }
+  EXPECT_LT(nearest, 0.15) << "of " << proposals.size();
+}
+
 TEST(CircleProposals, NothingWithoutACircle) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> anywhere(-500, 500);
