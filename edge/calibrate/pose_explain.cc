@@ -10,6 +10,8 @@
 namespace touchline::calibrate {
 namespace {
 
+constexpr double kWiderThanPaint = 1;  // metres
+constexpr double kBlurPx = 6;          // of a thin line, at 1080 lines, at most
 constexpr double kBesideWeight = 0.7;  // of a ridge off the pitch that nothing explains
 
 // Nearest point of a marking's centre line in plan.
@@ -103,6 +105,24 @@ std::optional<Eigen::Vector3d> cast_on_turf(const pitch::PitchModel& pitch, cons
   return pitch::intersect_turf(pitch, pose.position, direction);
 }
 
+// Metres on the turf that a ridge is surely wide: a band that was mown, or a kit's edge, but not
+// paint.
+double least_width(const pitch::PitchModel& pitch, const Pose& pose, const RidgePoint& point,
+                   const Eigen::Vector3d& ground, double blur_px) {
+  const double width = double{point.width} - blur_px;
+  if (width <= 0) return 0;
+  const Eigen::Vector2d at = point.position.cast<double>();
+  const Eigen::Vector2d n = point.normal.cast<double>();
+  Eigen::Vector3d direction;
+  const auto beside = cast_on_turf(pitch, pose, at + n, direction);
+  const auto ahead = cast_on_turf(pitch, pose, at + Eigen::Vector2d(-n.y(), n.x()), direction);
+  if (!beside || !ahead) return 0;
+  const Eigen::Vector2d across = (*beside - ground).head<2>();
+  const Eigen::Vector2d along = (*ahead - ground).head<2>();
+  return width * std::abs(across.x() * along.y() - across.y() * along.x()) /
+         std::max(along.norm(), 1e-9);
+}
+
 }  // namespace
 
 bool SeenBar::passes(const Eigen::Vector2f& p, const Eigen::Vector2f& line_normal,
@@ -162,6 +182,7 @@ PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
       return bar.passes(point.position, point.normal, static_cast<float>(tolerance_px));
     });
   };
+  const double blur_px = kBlurPx * std::max(map.height / 1080.0, 0.5);
   double all = 0;
   double explained = 0;
   for (std::size_t i = 0; i < map.points.size(); i += stride) {
@@ -182,6 +203,7 @@ PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
       continue;
     }
     if (through_goal(pitch, pose.position, direction) || on_bar(point)) continue;
+    if (least_width(pitch, pose, point, *ground, blur_px) > kWiderThanPaint) continue;
     // Beside the pitch there may be other paint, but no pose may put all lines there.
     const bool beside = std::abs(ground->x()) > length || std::abs(ground->y()) > width;
     all += beside ? kBesideWeight * weight : weight;

@@ -63,8 +63,8 @@ PoseScore score_fast(const LineMap& map, const MarkingSamples& samples, const Po
                      double tolerance_px);
 
 // Exact: every ridge point (or evenly chosen ones, at most `most_points`) is cast on the turf and
-// compared with its nearest marking. Points on goals and on bars that are seen do not count, points
-// off the pitch less.
+// compared with its nearest marking. Points on goals, on bars that are seen and on what is far wider
+// than paint do not count, points off the pitch less.
 PoseScore score_exact(const LineMap& map, const MarkingSamples& samples,
                       const pitch::PitchModel& pitch, const Pose& pose, double tolerance_px,
                       int most_points);
