@@ -67,8 +67,8 @@ class PlaceRow {
     const std::uint16_t* luma = frame_.planes[0].row(y);
     const std::uint16_t* cb = frame_.planes[1].row(y >> shift_.y);
     const std::uint16_t* cr = frame_.planes[2].row(y >> shift_.y);
-    Place* chroma = chroma_.data();
-    Place* out = places_.data();
+    Place* __restrict chroma = chroma_.data();
+    Place* __restrict out = places_.data();
     const int c1 = (x1 - 1) >> shift_.x;
     for (int c = x0 >> shift_.x; c <= c1; ++c)
       chroma[c] = static_cast<Place>(step(cb[c]) * kLumaSteps + step(cr[c]));
@@ -202,7 +202,7 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
       const std::uint8_t* cover = alpha.row(y);
       const std::uint8_t* distance = difference.distance.row(y);
       for (int x = x0; x < x1; ++x)
-        if (palette.worn(row[x]) && cover[x] == 0 && distance[x] < weak) found.emplace_back(x, y);
+        if (cover[x] == 0 && distance[x] < weak && palette.worn(row[x])) found.emplace_back(x, y);
     }
     if (found.empty()) continue;
     cv::Mat outside(y1 - y0, x1 - x0, CV_8U);

@@ -26,7 +26,7 @@ constexpr float kCoarseFair = 0.5f;     // of the strong distance, that makes su
 constexpr int kCoarseRows = 3;          // rows from one that is looked at to the next
 constexpr int kCoarseGrowth = 4;        // cells from a sure one to one that is perhaps part of it
 constexpr int kCoarseCount = 2;         // samples of a cell beyond it
-constexpr float kCoarseRangeShare = 0.25f;  // as kRangeShare, of two by two samples
+constexpr float kCoarseRangeShare = 0.15f;  // as kRangeShare, of four by four samples
 constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour is all there is
 
 // How light may change what a background pixel shows.
@@ -123,17 +123,43 @@ __m128i pixels(const std::uint16_t* row, int x, int width) {
   return _mm_load_si128(reinterpret_cast<const __m128i*>(copy.data()));
 }
 
-// Chroma of eight pixels at luma's resolution, grey = 0.
-__m256 chroma_at(const image::Frame& frame, const image::ChromaShift& shift, std::size_t which,
-                 int x, int y) {
-  const auto& plane = frame.planes[which];
-  const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
-  if (shift.x == 0) return minus(floats(pixels(row, x, plane.width())), all(512.f));
-  const __m128i here = pixels(row, x >> 1, plane.width());
-  const __m128i next = pixels(row, (x >> 1) + 1, plane.width());
-  const __m128i twice = _mm_unpacklo_epi16(_mm_add_epi16(here, here), _mm_add_epi16(here, next));
-  return _mm256_fmsub_ps(floats(twice), all(0.5f), all(512.f));
-}
+// A row's chroma at luma's resolution, twice the code values less grey.
+class ChromaRow {
+ public:
+  explicit ChromaRow(int width) : values_(static_cast<std::size_t>(width) + 2 * kCell) {}
+
+  // The pixels of a span, whose first one is even.
+  void run(const image::Image<std::uint16_t>& plane, const image::ChromaShift& shift,
+           const Span& span, int y) {
+    const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
+    std::int16_t* to = values_.data() + span.begin;
+    const int n = span.end - span.begin;
+    if (shift.x == 0) {
+      const std::uint16_t* from = row + span.begin;
+      for (int x = 0; x < n; ++x) to[x] = twice(from[x], from[x]);
+      return;
+    }
+    const std::uint16_t* from = row + span.begin / 2;
+    const int last = plane.width() - 1 - span.begin / 2;
+    const int pairs = std::min((n + 1) / 2, last);
+    for (int k = 0; k < pairs; ++k) {
+      to[2 * k] = twice(from[k], from[k]);
+      to[2 * k + 1] = twice(from[k], from[k + 1]);
+    }
+    for (int x = 2 * pairs; x < n; ++x) to[x] = twice(from[last], from[last]);
+  }
+  // Eight of them, grey = 0; those beyond the span mean nothing.
+  __m256 at(int x) const {
+    const __m128i words = _mm_loadu_si128(reinterpret_cast<const __m128i*>(values_.data() + x));
+    return times(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(words)), all(0.5f));
+  }
+
+ private:
+  static std::int16_t twice(std::uint16_t one, std::uint16_t other) {
+    return static_cast<std::int16_t>(one + other - 1024);
+  }
+  std::vector<std::int16_t> values_;
+};
 
 // Least and greatest luma of the plate in 3x3 pixels, code values times 16, for a row of pixels;
 // both 0 where one of them is missing.
@@ -450,6 +476,8 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
   const __m256 lanes = _mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7);
   const __m256 zero = _mm256_setzero_ps();
   LumaExtremes extremes(width);
+  ChromaRow blue(width);
+  ChromaRow red(width);
 
   const auto fetch = [&](int x, int y) {
     _mm_prefetch(reinterpret_cast<const char*>(frame.planes[0].row(y) + x), _MM_HINT_T0);
@@ -468,8 +496,8 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const __m128i luma = words_at(plate.y.row(y) + x);
     const __m128i none = _mm_cmpeq_epi16(luma, _mm_setzero_si128());
     const __m256 missing = _mm256_castsi256_ps(_mm256_cvtepi16_epi32(none));
-    const Colours p{minus(floats(pixels(frame.planes[0].row(y), x, width)), all(64.f)),
-                    chroma_at(frame, shift, 1, x, y), chroma_at(frame, shift, 2, x, y)};
+    const Colours p{minus(floats(pixels(frame.planes[0].row(y), x, width)), all(64.f)), blue.at(x),
+                    red.at(x)};
     const Colours b{choose(missing, all(turf.y), codes(luma, 64.f)),
                     choose(missing, all(turf.cb), codes(words_at(plate.cb.row(y) + x), 512.f)),
                     choose(missing, all(turf.cr), codes(words_at(plate.cr.row(y) + x), 512.f))};
@@ -541,6 +569,8 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     for (const Span& span : spans(active, j, width))
       for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) {
         extremes.run(plate, span, y, height);
+        blue.run(frame.planes[1], shift, span, y);
+        red.run(frame.planes[2], shift, span, y);
         for (int x = span.begin; x < span.end; x += kLanes) eight(x, y);
       }
   }

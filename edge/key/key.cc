@@ -30,6 +30,27 @@ KeyOptions bounded(KeyOptions o) {
   return o;
 }
 
+struct Counts {
+  unsigned no_plate = 0;
+  unsigned foreground = 0;
+};
+
+// Of at most kCell pixels; hides those with nothing to compare with. Bytes alone, so that the loop
+// runs in lanes.
+Counts count_row(const std::uint8_t* alpha, const std::uint8_t* known, int n,
+                 std::uint8_t* hidden) {
+  static_assert(kCell < 256);
+  std::uint8_t no_plate = 0;
+  std::uint8_t foreground = 0;
+  for (int x = 0; x < n; ++x) {
+    const auto nothing = static_cast<std::uint8_t>(known[x] == 0 ? 255 : 0);
+    hidden[x] = static_cast<std::uint8_t>(hidden[x] | nothing);
+    no_plate = static_cast<std::uint8_t>(no_plate + (known[x] != 1 ? 1 : 0));
+    foreground = static_cast<std::uint8_t>(foreground + (alpha[x] >> 7));
+  }
+  return {no_plate, foreground};
+}
+
 }  // namespace
 
 base::Status KeyOptions::validate() const {
@@ -135,15 +156,13 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
         if (looked_at) {
           const std::uint8_t* alpha = matte.alpha.row(y);
           const std::uint8_t* known = diff.known.row(y);
-          for (int x = x0; x < x1; ++x) {
-            if (known[x] == 0) hidden[x] = 255;
-            no_plate += known[x] != 1;
-            foreground += alpha[x] >= 128;
-          }
+          const Counts counts = count_row(alpha + x0, known + x0, x1 - x0, hidden + x0);
+          no_plate += counts.no_plate;
+          foreground += counts.foreground;
         }
-        int sum = 0;
-        for (int x = x0; x < x1; ++x) sum += hidden[x] != 0;
-        unknown += static_cast<std::size_t>(sum);
+        unsigned sum = 0;
+        for (int x = x0; x < x1; ++x) sum += hidden[x] != 0 ? 1U : 0U;
+        unknown += sum;
       }
     }
   matte.region = right < left ? image::Rect{0, 0, 0, 0}

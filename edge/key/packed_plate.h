@@ -16,7 +16,8 @@ namespace touchline::key {
 struct PackedTile {
   static constexpr int kStride = image::kPlateTileSize + 1;
   // From the lowest bits: Y', Cb, Cr (code values times 16; 0 = nothing known), and the range of
-  // luma in the 2x2 samples from here to the right and down, or kMissing where one is not known.
+  // luma in the 2x2 samples from here to the right and down and those round them, as far as the
+  // tile knows them, or kMissing where one of the 2x2 is not known.
   static constexpr std::uint64_t kMissing = 0x8000;
   std::vector<std::uint64_t> colours;  // kStride x kStride
   // Deviation of luma (16 bits), the greater one of chroma (15), and whether they were measured.

@@ -13,10 +13,9 @@ namespace touchline::key {
 namespace {
 
 constexpr int kTile = image::kPlateTileSize;
-constexpr float kTurfSpread = 1.5f;     // turf's deviation counts up to so many times its median
-constexpr double kChromaNoise = 0.6;    // of the luma noise
-constexpr int kTurfReach = 4;           // nodes round one that tell the turf's luma there
-constexpr std::uint8_t kLeastSeen = 2;  // frames from which a deviation is a measurement
+constexpr float kTurfSpread = 1.5f;   // turf's deviation counts up to so many times its median
+constexpr double kChromaNoise = 0.6;  // of the luma noise
+constexpr int kTurfReach = 4;         // nodes round one that tell the turf's luma there
 
 int tile_of(int position) {
   return position >= 0 ? position / kTile : -((kTile - 1 - position) / kTile);
@@ -279,25 +278,26 @@ void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out, std
     for (int dx = 0; dx < 2; ++dx) {
       const int column = tile_of(iu + dx);
       const int row = tile_of(iv + dy);
-      const TilePair* found = tile(column, row);
+      const PackedTile* found = packed(column, row);
       if (!found) continue;
-      const image::PlateTile* t = found->tile;
-      const int px = iu + dx - column * kTile;
-      const int py = iv + dy - row * kTile;
-      const std::uint16_t luma = t->mean[0](px, py);
+      const auto at = static_cast<std::size_t>(iv + dy - row * kTile) * PackedTile::kStride +
+                      static_cast<std::size_t>(iu + dx - column * kTile);
+      const std::uint64_t colours = found->colours[at];
+      const auto luma = static_cast<std::uint16_t>(colours & 0xffff);
       const float w = (dx ? fu : 1 - fu) * (dy ? fv : 1 - fv);
       if (luma == 0) continue;
       sum += w;
       y += w * luma;
-      cb += w * t->mean[1](px, py);
-      cr += w * t->mean[2](px, py);
+      cb += w * static_cast<float>(colours >> 16 & 0xffff);
+      cr += w * static_cast<float>(colours >> 32 & 0xffff);
       low = std::min(low, luma);
       high = std::max(high, luma);
       if (w > best) {
         best = w;
-        luma_deviation = t->deviation[0](px, py);
-        chroma_deviation = std::max(t->deviation[1](px, py), t->deviation[2](px, py));
-        if (turf && t->count(px, py) >= kLeastSeen) {
+        const std::uint32_t deviations = found->deviations[at];
+        luma_deviation = static_cast<std::uint16_t>(deviations & 0xffff);
+        chroma_deviation = static_cast<std::uint16_t>(deviations >> 16 & 0x7fff);
+        if (turf && (deviations & PackedTile::kMeasured)) {
           luma_deviation = std::min(luma_deviation, luma_bound_);
           chroma_deviation = std::min(chroma_deviation, chroma_bound_);
         }
