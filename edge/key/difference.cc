@@ -8,213 +8,27 @@
 #include <cmath>
 #include <vector>
 
+#include "edge/key/residual_internal.h"
+#include "edge/key/rows_internal.h"
+
 namespace touchline::key {
 namespace {
 
-constexpr float kChromaNoise = 0.6f;  // of the luma noise
 constexpr float kEdgeCodes = 24;      // plate edges steeper than this a pixel are searched along
 constexpr float kEdgeRange = 80;      // code values in 3x3 pixels of the plate that make an edge
 constexpr float kRangeShare = 0.1f;   // of that range, by which a plate is blurred or displaced
 constexpr float kHaloShare = 0.03f;   // of that range, by which a pixel leaves the plate's extremes
-constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
-constexpr float kLeastGrass = 0.25f;    // of the turf's chroma, that the plate's must have
-constexpr float kDarkestGrass = 0.3f;   // of the turf's luma
-constexpr float kLitAgain = 1.1f;       // luma of turf out of a shadow over that of turf round it
-constexpr float kCoarseShare = 0.8f;    // of the weak distance, for a sample of the first look
-constexpr float kChanging = 20;         // deviation of luma of what keeps changing, code values
-constexpr float kCoarseFair = 0.5f;     // of the strong distance, that makes such a sample sure
-constexpr int kCoarseRows = 3;          // rows from one that is looked at to the next
-constexpr int kCoarseGrowth = 4;        // cells from a sure one to one that is perhaps part of it
-constexpr int kCoarseCount = 2;         // samples of a cell beyond it
+constexpr float kLeastGrass = 0.25f;  // of the turf's chroma, that the plate's must have
+constexpr float kDarkestGrass = 0.3f;  // of the turf's luma
+constexpr float kLitAgain = 1.1f;      // luma of turf out of a shadow over that of turf round it
+constexpr float kCoarseShare = 0.8f;   // of the weak distance, for a sample of the first look
+constexpr float kChanging = 20;        // deviation of luma of what keeps changing, code values
+constexpr float kCoarseFair = 0.5f;    // of the strong distance, that makes such a sample sure
+constexpr int kCoarseRows = 3;         // rows from one that is looked at to the next
+constexpr int kCoarseGrowth = 4;       // cells from a sure one to one that is perhaps part of it
+constexpr int kCoarseCount = 2;        // samples of a cell beyond it
 constexpr float kCoarseRangeShare = 0.15f;  // as kRangeShare, of four by four samples
 constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour is all there is
-
-// How light may change what a background pixel shows.
-struct Light {
-  float low, high;  // luma over the plate's
-  float slack;      // of chroma over the plate's, round that of luma
-  float paler;      // of a shadow, share by which chroma may stay behind luma
-};
-
-constexpr int kLanes = 8;
-
-__m256 all(float v) { return _mm256_set1_ps(v); }
-__m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
-__m256 minus(__m256 a, __m256 b) { return _mm256_sub_ps(a, b); }
-__m256 clamped(__m256 v, __m256 least, __m256 most) {
-  return _mm256_min_ps(_mm256_max_ps(v, least), most);
-}
-__m256 greater(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
-__m256 choose(__m256 mask, __m256 yes, __m256 no) { return _mm256_blendv_ps(no, yes, mask); }
-
-__m128i words_at(const std::uint16_t* from) {
-  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
-}
-__m256 floats(__m128i words) { return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(words)); }
-// Code values times 16 as code values less `zero`.
-__m256 codes(__m128i words, float zero) {
-  return _mm256_fmsub_ps(floats(words), all(0.0625f), all(zero));
-}
-
-// Eight pixels, less black and grey.
-struct Colours {
-  __m256 y, cb, cr;
-};
-
-// 1 / variance.
-struct Weights {
-  __m256 luma, chroma;
-};
-
-// Squared distances of pixels p to the background under any light allowed, luma up to `high` times
-// its. Shadows on turf lose more luma than chroma, since the sky still lights them.
-__m256 residual(const Colours& p, const Colours& b, const Weights& w, const Light& light,
-                __m256 high) {
-  const __m256 luma =
-      clamped(_mm256_div_ps(p.y, _mm256_max_ps(b.y, all(8.f))), all(light.low), high);
-  const __m256 bb = _mm256_fmadd_ps(b.cb, b.cb, _mm256_fmadd_ps(b.cr, b.cr, all(1.f)));
-  const __m256 darker = _mm256_max_ps(_mm256_setzero_ps(), minus(all(1.f), luma));
-  const __m256 least = minus(luma, all(light.slack));
-  const __m256 most =
-      _mm256_fmadd_ps(all(light.paler), darker, _mm256_add_ps(luma, all(light.slack)));
-  const __m256 along = _mm256_fmadd_ps(p.cb, b.cb, times(p.cr, b.cr));
-  const __m256 chroma = clamped(_mm256_div_ps(along, bb), least, most);
-  const __m256 ry = _mm256_fnmadd_ps(luma, b.y, p.y);
-  const __m256 rb = _mm256_fnmadd_ps(chroma, b.cb, p.cb);
-  const __m256 rr = _mm256_fnmadd_ps(chroma, b.cr, p.cr);
-  return _mm256_fmadd_ps(times(w.luma, ry), ry,
-                         times(w.chroma, _mm256_fmadd_ps(rb, rb, times(rr, rr))));
-}
-
-// The weights of a pixel whose plate has these deviations and is `blur` out of place.
-Weights weights(float luma_noise, float chroma_noise, __m256 luma_deviation,
-                __m256 chroma_deviation, __m256 blur) {
-  const __m256 blurred = times(blur, blur);
-  const __m256 luma =
-      _mm256_fmadd_ps(luma_deviation, luma_deviation, _mm256_add_ps(all(luma_noise), blurred));
-  const __m256 chroma =
-      _mm256_fmadd_ps(chroma_deviation, chroma_deviation,
-                      _mm256_fmadd_ps(all(kChromaOfRange), blurred, all(chroma_noise)));
-  return {_mm256_div_ps(all(1.f), luma), _mm256_div_ps(all(1.f), chroma)};
-}
-
-struct Noise {
-  float luma, chroma;  // variances
-};
-
-Noise noise_of(const KeyOptions& options) {
-  const auto luma = static_cast<float>(options.noise_codes * options.noise_codes);
-  return {luma, kChromaNoise * kChromaNoise * luma};
-}
-
-constexpr Light kElsewhere{0.92f, 1.08f, 0.03f, 0.f};
-
-Light light_on_turf(const KeyOptions& options) {
-  return {static_cast<float>(options.darkest_shadow), static_cast<float>(options.brightest_turf),
-          0.08f, 0.5f};
-}
-
-// Eight pixels of a row, those beyond its end like the last.
-__m128i pixels(const std::uint16_t* row, int x, int width) {
-  if (x + kLanes <= width) return words_at(row + x);
-  alignas(16) std::array<std::uint16_t, kLanes> copy;
-  for (int k = 0; k < kLanes; ++k)
-    copy[static_cast<std::size_t>(k)] = row[std::min(x + k, width - 1)];
-  return _mm_load_si128(reinterpret_cast<const __m128i*>(copy.data()));
-}
-
-// A row's chroma at luma's resolution, twice the code values less grey.
-class ChromaRow {
- public:
-  explicit ChromaRow(int width) : values_(static_cast<std::size_t>(width) + 2 * kCell) {}
-
-  // The pixels of a span, whose first one is even.
-  void run(const image::Image<std::uint16_t>& plane, const image::ChromaShift& shift,
-           const Span& span, int y) {
-    const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
-    std::int16_t* to = values_.data() + span.begin;
-    const int n = span.end - span.begin;
-    if (shift.x == 0) {
-      const std::uint16_t* from = row + span.begin;
-      for (int x = 0; x < n; ++x) to[x] = twice(from[x], from[x]);
-      return;
-    }
-    const std::uint16_t* from = row + span.begin / 2;
-    const int last = plane.width() - 1 - span.begin / 2;
-    const int pairs = std::min((n + 1) / 2, last);
-    for (int k = 0; k < pairs; ++k) {
-      to[2 * k] = twice(from[k], from[k]);
-      to[2 * k + 1] = twice(from[k], from[k + 1]);
-    }
-    for (int x = 2 * pairs; x < n; ++x) to[x] = twice(from[last], from[last]);
-  }
-  // Eight of them, grey = 0; those beyond the span mean nothing.
-  __m256 at(int x) const {
-    const __m128i words = _mm_loadu_si128(reinterpret_cast<const __m128i*>(values_.data() + x));
-    return times(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(words)), all(0.5f));
-  }
-
- private:
-  static std::int16_t twice(std::uint16_t one, std::uint16_t other) {
-    return static_cast<std::int16_t>(one + other - 1024);
-  }
-  std::vector<std::int16_t> values_;
-};
-
-// Least and greatest luma of the plate in 3x3 pixels, code values times 16, for a row of pixels;
-// both 0 where one of them is missing.
-class LumaExtremes {
- public:
-  explicit LumaExtremes(int width)
-      : low_(static_cast<std::size_t>(width) + 4 * kCell),
-        high_(low_.size()),
-        least_(low_.size()),
-        most_(low_.size()) {}
-
-  // The pixels of a span of cells that are done; of the rows above and below those that are.
-  void run(const WarpedPlate& plate, const Span& span, int y, int height) {
-    const std::uint16_t* b = plate.y.row(y);
-    for (int x = span.begin; x < span.end; x += kCell) {
-      const int i = x / kCell;
-      const bool up = y > 0 && plate.done.at(i, (y - 1) / kCell);
-      const bool down = y + 1 < height && plate.done.at(i, (y + 1) / kCell);
-      const std::uint16_t* a = up ? plate.y.row(y - 1) : b;
-      const std::uint16_t* c = down ? plate.y.row(y + 1) : b;
-      const __m256i middle = load(b + x);
-      const __m256i above = load(a + x);
-      const __m256i below = load(c + x);
-      store(low_, x, _mm256_min_epu16(middle, _mm256_min_epu16(above, below)));
-      store(high_, x, _mm256_max_epu16(middle, _mm256_max_epu16(above, below)));
-    }
-    for (auto* values : {&low_, &high_}) {
-      *at(*values, span.begin - 1) = *at(*values, span.begin);
-      *at(*values, span.end) = *at(*values, span.end - 1);
-    }
-    for (int x = span.begin; x < span.end; x += kCell) {
-      const __m256i low = _mm256_min_epu16(
-          load(at(low_, x)), _mm256_min_epu16(load(at(low_, x - 1)), load(at(low_, x + 1))));
-      const __m256i high = _mm256_max_epu16(
-          load(at(high_, x)), _mm256_max_epu16(load(at(high_, x - 1)), load(at(high_, x + 1))));
-      const __m256i none = _mm256_cmpeq_epi16(low, _mm256_setzero_si256());
-      store(least_, x, low);
-      store(most_, x, _mm256_andnot_si256(none, high));
-    }
-  }
-  __m128i least(int x) { return words_at(at(least_, x)); }
-  __m128i most(int x) { return words_at(at(most_, x)); }
-
- private:
-  static std::uint16_t* at(std::vector<std::uint16_t>& values, int x) {
-    return values.data() + kCell + x;
-  }
-  static __m256i load(const std::uint16_t* from) {
-    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-  }
-  static void store(std::vector<std::uint16_t>& values, int x, __m256i words) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(at(values, x)), words);
-  }
-  std::vector<std::uint16_t> low_, high_, least_, most_;
-};
 
 // Luma over the plate's that turf may have where the plate holds a shadow.
 __m256 brightest(const Light& light, float lit, const Colours& b, const Expected& turf) {
