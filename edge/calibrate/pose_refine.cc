@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "edge/calibrate/pose_score_internal.h"
+#include "edge/calibrate/refine_row_internal.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 // at the corner.
 constexpr int kUnknowns = 8;
 using Normal = PoseInformation;
-using Gradient = Eigen::Matrix<double, kUnknowns, 1>;
+using Gradient = RefineRow;
 
 struct System {
   Normal normal = Normal::Zero();
@@ -36,14 +37,9 @@ void add_samples(const LineMap& map, const MarkingSamples& samples, const Pose& 
   const double fold = m.fold_radius_squared();
   const double corner = corner_radius(m);
   for (const MarkingSamples::Sample& sample : samples.samples) {
-    const Eigen::Vector3d p = rotation * (sample.point.cast<double>() - pose.position);
-    if (p.z() < 1) continue;
-    const double x = p.x() / p.z();
-    const double y = p.y() / p.z();
-    const double r2 = x * x + y * y;
-    if (r2 >= fold) continue;
-    const double d = 1 + r2 * (m.k1 + m.k2 * r2);
-    const Eigen::Vector2d pixel(m.fx * d * x + m.cx, m.fx * d * y + m.cy);
+    const auto p = refine_point(pose, fold, sample.point.cast<double>());
+    if (!p) continue;
+    const Eigen::Vector2d& pixel = p->pixel;
     const int at = map.nearest_to(pixel);
     if (at < 0) continue;
     const RidgePoint& ridge = map.points[static_cast<std::size_t>(at)];
@@ -53,24 +49,13 @@ void add_samples(const LineMap& map, const MarkingSamples& samples, const Pose& 
     const double beyond = std::abs(-n.y() * off.x() + n.x() * off.y());
     if (std::abs(residual) >= tolerance || beyond > 0.5 * tolerance + 6) continue;
     const Eigen::Vector3d t = rotation * sample.tangent.cast<double>();
-    const Eigen::Vector2d along(t.x() - x * t.z(), t.y() - y * t.z());
+    const Eigen::Vector2d along(t.x() - p->x * t.z(), t.y() - p->y * t.z());
     const double speed = along.norm();
     if (std::abs(n.dot(along)) > 0.3 * speed) continue;
     const double tukey = 1 - residual * residual / (tolerance * tolerance);
-    const double length = std::min(m.fx / p.z() * speed * double{sample.step}, 30.0);
+    const double length = std::min(m.fx / p->in_cam.z() * speed * double{sample.step}, 30.0);
     const double weight = tukey * tukey * length;
-    // d pixel / d p, then the chain to each unknown.
-    const double dd = 2 * (m.k1 + 2 * m.k2 * r2);
-    Eigen::Matrix2d j;
-    j << d + x * dd * x, x * dd * y, y * dd * x, d + y * dd * y;
-    const Eigen::Vector2d g = m.fx * (j.transpose() * n);
-    const Eigen::Vector3d a(g.x() / p.z(), g.y() / p.z(), -(g.x() * x + g.y() * y) / p.z());
-    Gradient row;
-    row.segment<3>(0) = p.cross(a);
-    row.segment<3>(3) = -(rotation.transpose() * a);
-    row(6) = n.x() * (pixel.x() - m.cx) + n.y() * (pixel.y() - m.cy);
-    row(7) = m.fx * (n.x() * x + n.y() * y) * r2 / (corner * corner);
-    system.add(row, residual, weight);
+    system.add(refine_row(pose, corner, *p, n), residual, weight);
     ++system.count;
   }
 }
