@@ -64,7 +64,9 @@ base::Result<calibrate::SurveyResult> survey_mount(const ChainSetup& setup,
   auto pitch = pitch::make_pitch(setup.sport, setup.sizes);
   if (!pitch) return base::fail(pitch.error());
   compensate_stills(options.detail, stills);
-  return calibrate::survey(stills, *pitch, setup.side, survey_options(setup, options.mount.survey));
+  calibrate::SurveyOptions survey = survey_options(setup, options.mount.survey);
+  survey.correct_stated = true;
+  return calibrate::survey(stills, *pitch, setup.side, survey);
 }
 
 struct FrameChain::Impl {

@@ -137,9 +137,18 @@ std::optional<MountFinder::Found> MountFinder::arrived() {
   return found;
 }
 
-// Sizes that nobody measured are those that the lines say from here on.
+// Sizes that nobody measured are those that the lines say from here on, and so are stated ones that
+// the lines contradict.
 void MountFinder::adopt_sizes(const calibrate::SurveyResult& result) {
   pitch::PitchSizes sizes = setup_.sizes;
+  if (result.refuted.any())
+    note(
+        fmt::format("the stated pitch of {:.2f} x {:.2f} m with a crown of {:.2f} m is not what "
+                    "the lines show: measure it and state its sizes",
+                    pitch_.length_m, pitch_.width_m, pitch_.crown_m));
+  if (result.refuted(0)) sizes.length_m.reset();
+  if (result.refuted(1)) sizes.width_m.reset();
+  if (result.refuted(2)) sizes.crown_m.reset();
   if (!sizes.length_m) sizes.length_m = result.length_m;
   if (!sizes.width_m) sizes.width_m = result.width_m;
   if (!sizes.crown_m) sizes.crown_m = result.crown_m;
@@ -183,7 +192,10 @@ void MountFinder::note_take(const calibrate::TakeSurveyResult& result) {
 std::vector<geometry::CameraEstimate> MountFinder::from_stills(
     std::span<const image::Frame> stills) {
   const StageTimer timer(time_);
-  auto result = calibrate::survey(stills, pitch_, setup_.side, options_.survey);
+  // Stills of the whole pitch may say that the club is wrong; one picture of a take may not.
+  calibrate::SurveyOptions options = options_.survey;
+  options.correct_stated = true;
+  auto result = calibrate::survey(stills, pitch_, setup_.side, options);
   if (!result) {
     if (setup_.kind != HeadKind::kCloseup) error_ = result.error();
     stills_failed_ = true;

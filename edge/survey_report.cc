@@ -14,6 +14,14 @@ namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
+// "length and width": what was stated and is not so.
+std::string refuted_names(const calibrate::SurveyResult& result) {
+  std::string names;
+  for (const auto& [index, name] : {std::pair{0, "length"}, {1, "width"}, {2, "crown"}})
+    if (result.refuted(index)) names += (names.empty() ? "" : " and ") + std::string(name);
+  return names;
+}
+
 nlohmann::ordered_json json_of(const base::CameraId& camera,
                                const calibrate::SurveyResult& result) {
   const geometry::Mount& mount = result.mount;
@@ -27,6 +35,12 @@ nlohmann::ordered_json json_of(const base::CameraId& camera,
   out["principal_point_px"] = {mount.cx, mount.cy};
   for (const geometry::LensKnot& knot : mount.lens)
     out["lens"].push_back({{"focal_px", knot.focal_px}, {"k1", knot.k1}, {"k2", knot.k2}});
+  if (result.refuted.any()) {
+    out["pitch"] = {{"length_m", result.length_m},
+                    {"width_m", result.width_m},
+                    {"crown_m", result.crown_m},
+                    {"contradicts_stated", refuted_names(result)}};
+  }
   out["rms_px"] = result.rms_px;
   out["stills"] = result.still_rms_px;
   out["solved"] = result.solved;
@@ -51,6 +65,11 @@ std::string text_of(const base::CameraId& camera, const calibrate::SurveyResult&
                     result.stills[i].lost() ? "not solved"
                                             : fmt::format("rms {:.2f} px", result.still_rms_px[i]));
   }
+  if (result.refuted.any())
+    text += fmt::format(
+        "pitch      {:.2f} x {:.2f} m, crown {:.2f} m by the lines, which contradict the stated "
+        "{}: measure it and state its sizes\n",
+        result.length_m, result.width_m, result.crown_m, refuted_names(result));
   return text + fmt::format("solved     {} of {}, rms {:.2f} px\n", result.solved,
                             result.stills.size(), result.rms_px);
 }

@@ -53,13 +53,19 @@ base::Result<SurveyResult> survey_on_any_size(const std::vector<LineMap>& maps,
                                               const pitch::PitchModel& pitch, Side side,
                                               const SurveyOptions& options, bool head) {
   pitch::PitchModel model = pitch;
-  base::Result<SurveyResult> result = run_survey(maps, model, side, options, head);
+  SurveyOptions open = options;  // what is refuted is no longer stated
+  Eigen::Array<bool, 3, 1> refuted(false, false, false);
+  base::Result<SurveyResult> result = run_survey(maps, model, side, open, head);
   for (int run = 1; run < kSizeRuns && result; ++run) {
     pitch::PitchSizes sizes{model.length_m, model.width_m, std::nullopt, model.crown_m,
                             model.line_m};
     if (model.sport == pitch::Sport::kRugbyUnion) sizes.in_goal_m = model.in_goal_m;
     const std::array<double*, 3> values{&*sizes.length_m, &*sizes.width_m, &*sizes.crown_m};
-    const Eigen::Array<bool, 3, 1> changes = sizes_to_find(options, *result);
+    const Eigen::Array<bool, 3, 1> changes = sizes_to_find(open, *result);
+    refuted = refuted || result->refuted;
+    open.length_stated = open.length_stated && !refuted(0);
+    open.width_stated = open.width_stated && !refuted(1);
+    open.crown_stated = open.crown_stated && !refuted(2);
     for (int i = 0; i < 3; ++i)
       if (changes(i)) *values[static_cast<std::size_t>(i)] += result->size_change_m(i);
     sizes.crown_m = std::max(0.0, *sizes.crown_m);
@@ -67,13 +73,20 @@ base::Result<SurveyResult> survey_on_any_size(const std::vector<LineMap>& maps,
     auto next = pitch::make_pitch(model.sport, sizes);
     if (!next) break;
     model = std::move(*next);
-    result = run_survey(maps, model, side, options, head);
+    result = run_survey(maps, model, side, open, head);
   }
-  if (!result || !sizes_to_find(options, *result).any()) return result;
+  if (!result) return result;
+  if (!sizes_to_find(open, *result).any()) {
+    result->refuted = refuted;
+    return result;
+  }
   // Not settled: judged as the pitch that was come to.
   SurveyOptions judged = options;
   judged.length_stated = judged.width_stated = judged.crown_stated = true;
-  return run_survey(maps, model, side, judged, head);
+  judged.correct_stated = false;
+  result = run_survey(maps, model, side, judged, head);
+  if (result) result->refuted = refuted;
+  return result;
 }
 
 base::Status SurveyOptions::validate() const {

@@ -44,6 +44,9 @@ struct SurveyOptions {
   // where they say it surely; metres.
   double size_tolerance_m = 0.12;
   double crown_sigma_m = 0.1;  // of a stated crown
+  // True: a stated size that is refuted so is found like one that was not stated, and named in the
+  // result. False: it is an error.
+  bool correct_stated = false;
   // Over the solved pictures, shares of the predicted lines that are seen and of the seen lines
   // that are predicted; 0..1.
   double least_confirmed = 0.78;
@@ -71,6 +74,8 @@ struct SurveyResult {
   Eigen::Vector3d size_change_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d size_sigma_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d size_covariance_m2 = Eigen::Matrix3d::Zero();
+  // Stated sizes (length, width, crown) that the lines surely contradict; with correct_stated.
+  Eigen::Array<bool, 3, 1> refuted{false, false, false};
   std::string stopped_because;
 };
 

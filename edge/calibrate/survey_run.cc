@@ -199,10 +199,11 @@ class Survey {
       if (!size.stated ||
           std::abs(change) <= std::max(size.tolerance, kSizeSigmas * solution.size_sigma(i)))
         continue;
+      result.refuted(i) = true;
       better += fmt::format("{}a {} of about {:.2f} m", better.empty() ? "" : " and ", size.name,
                             size.value + change);
     }
-    if (better.empty()) return {};
+    if (better.empty() || options_.correct_stated) return {};
     return base::fail(
         base::ErrorKind::kNumerical, "survey",
         fmt::format(
@@ -299,7 +300,7 @@ class Survey {
     result.width_m = pitch_.width_m;
     result.crown_m = pitch_.crown_m;
     result.stopped_because = "sizes found";
-    if (sizes_to_find(options_, result).any()) return result;
+    if (sizes_to_find(options_, result).any() || result.refuted.any()) return result;
     // Captions and people hide lines; one picture is believed for what it shows.
     const bool shown = !head_ && confirmed >= kLeastShown && explained >= kExplainsAll;
     if (result.rms_px > options_.most_rms_px * scale_ ||
@@ -349,7 +350,7 @@ Eigen::Array<bool, 3, 1> sizes_to_find(const SurveyOptions& options, const Surve
   const Eigen::Array3d sigma = result.size_sigma_m.array();
   const Eigen::Array<bool, 3, 1> told =
       sigma <= kFoundSize || (sigma <= kRoughSize && change >= kRoughSigmas * sigma);
-  return !stated && told && change >= (0.5 * sigma).max(kSizeSettled);
+  return result.refuted || (!stated && told && change >= (0.5 * sigma).max(kSizeSettled));
 }
 
 base::Result<SurveyResult> run_survey(const std::vector<LineMap>& maps,

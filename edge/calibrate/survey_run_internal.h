@@ -18,8 +18,9 @@ base::Result<SurveyResult> survey_on_any_size(const std::vector<LineMap>& maps,
                                               const pitch::PitchModel& pitch, Side side,
                                               const SurveyOptions& options, bool head);
 
-// Which of length, width and crown were not stated, can be told from the pictures, and are not yet
-// as the pictures have them. A result with any is provisional: its fit was not judged.
+// Which of length, width and crown were not stated, or are refuted, can be told from the pictures,
+// and are not yet as the pictures have them. A result with any is provisional: its fit was not
+// judged.
 Eigen::Array<bool, 3, 1> sizes_to_find(const SurveyOptions& options, const SurveyResult& result);
 
 }  // namespace touchline::calibrate

@@ -79,6 +79,21 @@ TEST(Survey, AWrongPitchSizeIsAnError) {
   EXPECT_FALSE(result.error().cure.empty());
 }
 
+TEST(Survey, AWrongPitchSizeIsCorrectedWhereThatIsWanted) {
+  SurveyOptions options;
+  options.correct_stated = true;
+  const auto result = survey(stills(), soccer(106, 68), Side::kMain, options);
+  ASSERT_TRUE(result) << base::to_string(result.error());
+  EXPECT_TRUE(result->refuted(0));
+  EXPECT_FALSE(result->refuted(2));
+  EXPECT_NEAR(result->length_m, 105, 0.15);
+  EXPECT_LT((result->mount.position_in_world - test_mount().position_in_world).norm(), 0.15);
+  const auto right = survey(stills(), soccer(), Side::kMain, options);
+  ASSERT_TRUE(right);
+  EXPECT_FALSE(right->refuted.any());
+  EXPECT_EQ(right->length_m, 105);
+}
+
 TEST(Survey, FindsSizesThatWereNotStated) {
   const pitch::PitchModel assumed =
       *pitch::make_pitch(pitch::Sport::kSoccer, {104.6, 67.7, {}, 0.2, {}});
