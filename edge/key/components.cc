@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "edge/key/boards.h"
 #include "edge/key/runs.h"
 #include "edge/key/workspace.h"
 
@@ -172,10 +173,11 @@ void close_holes(const Difference& difference, const FrameGrid& grid, const KeyO
 
 }  // namespace
 
-void find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
+bool find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
                  const FrameGrid& grid, const geometry::CameraEstimate& camera,
                  const pitch::PitchModel& pitch, const KeyOptions& options,
-                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& bodies) {
+                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& hidden,
+                 image::Image<std::uint8_t>& bodies) {
   const int width = difference.distance.width();
   const int height = difference.distance.height();
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
@@ -185,11 +187,18 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
   const auto fair = static_cast<std::uint8_t>(std::min(
       255.0, std::max(options.weak_sigma, kFairShare * options.strong_sigma) * kDistanceScale));
   candidates(difference, peak, weak, scratch);
-  auto runs = connect(scratch, 1, difference.active, true);
+  const auto components = [&] {
+    auto found = connect(scratch, 1, difference.active, true);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      found[i].parent = root(found, static_cast<int>(i));
+    return found;
+  };
+  auto runs = components();
+  const bool boards = take_boards(runs, grid, camera, pitch, scratch, hidden);
+  if (boards) runs = components();
   std::vector<Blob> blobs(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const int r = root(runs, static_cast<int>(i));
-    runs[i].parent = r;
+    const int r = runs[i].parent;
     Blob& b = blobs[static_cast<std::size_t>(r)];
     const Run& run = runs[i];
     b.area += run.end - run.begin;
@@ -247,6 +256,7 @@ void find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
       std::fill(bodies.row(run.y) + run.begin, bodies.row(run.y) + run.end, std::uint8_t{1});
   }
   close_holes(difference, grid, options, bodies);
+  return boards;
 }
 
 }  // namespace touchline::key

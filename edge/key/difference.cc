@@ -218,12 +218,13 @@ Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
 }
 
 CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
-                     const KeyOptions& options) {
+                     const SceneLight& scene, const KeyOptions& options) {
   const int width = frame.width();
   const int height = frame.height();
+  const Light elsewhere = light_elsewhere(scene);
   if (warper.empty()) return grid.volume;
   const auto shift = image::chroma_shift(frame.format);
-  const Light on_turf = light_on_turf(options);
+  const Light on_turf = light_on_turf(options, scene);
   const Noise noise = noise_of(options);
   const float bound = static_cast<float>(std::pow(kCoarseShare * options.weak_sigma, 2));
   const float sure =
@@ -251,7 +252,7 @@ CellMask find_active(const image::Frame& frame, PlateWarper& warper, const Frame
         const bool turf = grid.turf.at(i, j);
         warper.sample(x, y, 2, samples);
         look(frame, shift, samples, x, y, turf ? warper.turf_luma(i, j) : 0.f,
-             turf ? on_turf : kElsewhere, noise, bound, sure, seen);
+             turf ? on_turf : elsewhere, noise, bound, sure, seen);
       }
     for (int i = 0; i < hit.columns; ++i) {
       const FirstLook& seen = looks[static_cast<std::size_t>(i)];
@@ -271,8 +272,8 @@ CellMask find_active(const image::Frame& frame, PlateWarper& warper, const Frame
 }
 
 void difference(const image::Frame& frame, const CellMask& active, PlateWarper& warper,
-                const FrameGrid& grid, const Expected& turf, const KeyOptions& options,
-                WarpedPlate& plate, Difference& out) {
+                const FrameGrid& grid, const Expected& turf, const SceneLight& scene,
+                const KeyOptions& options, WarpedPlate& plate, Difference& out) {
   const int width = frame.width();
   const int height = frame.height();
   out.active = active;
@@ -281,7 +282,8 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
   reset(out.edge, width, height, std::uint8_t{0});
   reset(out.changing, width, height, std::uint8_t{0});
 
-  const Light on_grass = light_on_turf(options);
+  const Light on_grass = light_on_turf(options, scene);
+  const Light elsewhere = light_elsewhere(scene);
   const Noise noise = noise_of(options);
   const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
   const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
@@ -305,7 +307,7 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const int i = x / kCell;
     const int j = y / kCell;
     const bool grass = grid.turf.at(i, j);
-    const Light light = grass ? on_grass : kElsewhere;
+    const Light light = grass ? on_grass : elsewhere;
     const float lit = grass ? warper.turf_luma(i, j) : 0.f;
     const __m128i luma = words_at(plate.y.row(y) + x);
     const __m128i none = _mm_cmpeq_epi16(luma, _mm_setzero_si128());

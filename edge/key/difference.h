@@ -6,6 +6,7 @@
 
 #include "edge/key/key.h"
 #include "edge/key/plate_warp.h"
+#include "edge/key/scene_light.h"
 #include "edge/key/volume.h"
 #include "shared/image/frame.h"
 
@@ -37,17 +38,17 @@ struct Difference {
 // of every third row is looked at. Cells in which the plate misses something count as well. The
 // others show the plate and nothing else.
 CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
-                     const KeyOptions& options);
+                     const SceneLight& scene, const KeyOptions& options);
 
 // A pixel against its background: the least distance to the background under any light allowed
-// (from the darkest shadow to the brightest turf, on turf; as it is elsewhere), each axis in
-// standard deviations of noise and plate. Shadows keep turf's chromaticity; turf in the plate's
-// shadows may be as light as that round it. Where the plate has an edge, shifts up to
-// `calibration_px` are forgiven as well, but nothing darker or brighter than both its sides.
+// (from the darkest shadow to the brightest turf, on turf; elsewhere as it is; both moved with
+// `scene`), each axis in standard deviations of noise and plate. Shadows keep turf's chromaticity;
+// turf in the plate's shadows may be as light as that round it. Where the plate has an edge, shifts
+// up to `calibration_px` are forgiven as well, but nothing darker or brighter than both its sides.
 // Only the cells of `active` are looked at; `plate` has them afterwards.
 void difference(const image::Frame& frame, const CellMask& active, PlateWarper& warper,
-                const FrameGrid& grid, const Expected& turf, const KeyOptions& options,
-                WarpedPlate& plate, Difference& out);
+                const FrameGrid& grid, const Expected& turf, const SceneLight& scene,
+                const KeyOptions& options, WarpedPlate& plate, Difference& out);
 
 // The strongest difference within kPeakReach pixels, a square; in the active cells, 0 elsewhere.
 // `across` is scratch.

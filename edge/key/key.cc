@@ -9,6 +9,7 @@
 #include "edge/key/difference.h"
 #include "edge/key/packed_plate.h"
 #include "edge/key/plate_warp.h"
+#include "edge/key/scene_light.h"
 #include "edge/key/soft_alpha.h"
 #include "edge/key/volume.h"
 #include "shared/base/bounds.h"
@@ -73,7 +74,7 @@ struct Keyer::State {
   PackedPlate plate;
   WarpedPlate warped;
   Difference difference;
-  image::Image<std::uint8_t> peak, bodies, scratch;
+  image::Image<std::uint8_t> peak, bodies, scratch, hidden;
   MixBuffers mix;
 };
 
@@ -114,19 +115,25 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
   state_->plate.show(shown);
   PlateWarper warper(plate, state_->plate, grid, width, height, o.noise_codes);
   const Expected turf = turf_colour(frame, grid);
-  const CellMask active = find_active(frame, warper, grid, o);
+  const SceneLight light = scene_light(frame, warper, grid);
+  const CellMask active = find_active(frame, warper, grid, light, o);
   WarpedPlate& warped = state_->warped;
   Difference& diff = state_->difference;
-  difference(frame, active, warper, grid, turf, o, warped, diff);
+  difference(frame, active, warper, grid, turf, light, o, warped, diff);
   if (!state_->colours.is_of(o.colours, frame.colour))
     state_->colours = ColourTable(o.colours, frame.colour);
   apply_colours(frame, state_->colours, diff);
   local_peak(diff, state_->scratch, state_->peak);
-  find_bodies(diff, state_->peak, grid, camera, pitch, o, state_->scratch, state_->bodies);
+  const bool boards = find_bodies(diff, state_->peak, grid, camera, pitch, o, state_->scratch,
+                                  state_->hidden, state_->bodies);
   const image::Image<std::uint8_t>& bodies = state_->bodies;
   matte.alpha = soft_alpha(frame, warped, turf, diff, state_->peak, bodies, o, state_->mix);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
+  if (boards) {
+    for (std::size_t i = 0; i < matte.unknown.size(); ++i)
+      matte.unknown.data()[i] |= state_->hidden.data()[i];
+  }
   mark_alike(frame, diff, bodies, matte.alpha, grid, o, matte.unknown);
 
   std::size_t foreground = 0;

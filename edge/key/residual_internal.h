@@ -3,9 +3,11 @@
 
 #include <immintrin.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "edge/key/key.h"
+#include "edge/key/scene_light.h"
 
 namespace touchline::key {
 
@@ -90,11 +92,16 @@ inline Noise noise_of(const KeyOptions& options) {
   return {luma, kChromaNoise * kChromaNoise * luma};
 }
 
-inline constexpr Light kElsewhere{0.92f, 1.08f, 0.03f, 0.f};
+// What shines by itself, a board, does not follow the light.
+inline Light light_elsewhere(const SceneLight& scene) {
+  return {0.92f * std::min(1.f, scene.elsewhere), 1.08f * std::max(1.f, scene.elsewhere), 0.03f,
+          0.f};
+}
 
-inline Light light_on_turf(const KeyOptions& options) {
-  return {static_cast<float>(options.darkest_shadow), static_cast<float>(options.brightest_turf),
-          0.08f, 0.5f};
+// Under a cloud shadows are soft: their bound stays.
+inline Light light_on_turf(const KeyOptions& options, const SceneLight& scene) {
+  return {static_cast<float>(options.darkest_shadow),
+          static_cast<float>(options.brightest_turf) * std::max(1.f, scene.turf), 0.08f, 0.5f};
 }
 
 }  // namespace touchline::key
