@@ -27,6 +27,7 @@ constexpr double kSizeSigmas = 2;   // a change of a size below this is noise
 constexpr double kLengthReach = 15;
 constexpr double kWidthReach = 8;
 constexpr double kSizeSearchStep = 1;
+constexpr double kMiddle = 12;       // metres round the halfway line, whose markings tie both ends
 constexpr double kScoreGain = 0.04;  // of the initialiser's score, over that of the sizes before
 constexpr std::size_t kLeastWindows = 6;    // of a marking with candidates, to tell its course
 constexpr std::size_t kCourseWindows = 12;  // of which two are taken at a time
@@ -211,6 +212,23 @@ void TakeSurvey::drop_most_alike() {
   keys_.erase(keys_.begin() + static_cast<std::ptrdiff_t>(drop));
 }
 
+// The end of the pitch, -1 or 1, that alone the key frames show; 0 where they show more, or none.
+double TakeSurvey::end_seen() const {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  for (const KeyFrame& key : keys_) {
+    for (const KeyPoint& point : key.points) {
+      const pitch::Marking* marking = pitch_.find(point.marking);
+      if (marking == nullptr) continue;
+      const Eigen::Vector2d at = marking->at(point.share * marking->length());
+      if (std::abs(at.y()) > 0.48 * pitch_.width_m) continue;  // a touchline runs past both
+      least = std::min(least, at.x());
+      most = std::max(most, at.x());
+    }
+  }
+  return least > kMiddle ? 1 : most < -kMiddle ? -1 : 0;
+}
+
 std::optional<geometry::CameraEstimate> TakeSurvey::resize(const image::Frame& frame) {
   const Eigen::Array<bool, 3, 1> free = unstated(options_.survey) && !known_;
   if (!free(0) && !free(1)) return std::nullopt;
@@ -218,33 +236,42 @@ std::optional<geometry::CameraEstimate> TakeSurvey::resize(const image::Frame& f
   InitialiseReport report;
   static_cast<void>(Initialiser(pitch_, mount_, options_.survey.initialise).find(map, report));
   double best = report.score + kScoreGain;
-  std::optional<pitch::PitchModel> found;
-  std::optional<geometry::CameraEstimate> camera;
+  struct Found {
+    pitch::PitchModel pitch;
+    geometry::Mount mount;
+    geometry::CameraEstimate camera;
+  };
+  std::optional<Found> found;
+  // Where the mount is known from one end, it goes with that end.
+  const double end = end_seen();
   const auto search = [&](int axis, double reach, double step) {
     if (!free(axis)) return;
-    const pitch::PitchModel from = found.value_or(pitch_);
+    const pitch::PitchModel from = found ? found->pitch : pitch_;
+    const geometry::Mount mount_from = found ? found->mount : mount_;
     // The nearest sizes first, so that of equals the smallest change wins.
     for (double away = step; away < reach + 0.5 * step; away += step) {
       for (const double change : {-away, away}) {
         auto other = resized(from, change * Eigen::Vector3d::Unit(axis));
         if (!other) continue;
-        auto seen = Initialiser(*other, mount_, options_.survey.initialise).find(map, report);
+        geometry::Mount mount = mount_from;
+        if (axis == 0) mount.position_in_world.x() += 0.5 * end * change;
+        auto seen = Initialiser(*other, mount, options_.survey.initialise).find(map, report);
         if (!seen || report.score <= best) continue;
         best = report.score;
-        camera = std::move(seen);
-        found = std::move(other);
+        found = Found{std::move(*other), std::move(mount), std::move(*seen)};
       }
     }
   };
-  search(0, kLengthReach, kSizeSearchStep);
+  search(0, kLengthReach, end == 0 ? kSizeSearchStep : 0.5 * kSizeSearchStep);
   if (found) {
-    search(0, 0.5 * kSizeSearchStep, 0.5 * kSizeSearchStep);
+    search(0, 0.5 * kSizeSearchStep, (end == 0 ? 0.5 : 0.25) * kSizeSearchStep);
   } else {
     search(1, kWidthReach, kSizeSearchStep);
   }
   if (!found) return std::nullopt;
-  pitch_ = std::move(*found);
-  return camera;
+  pitch_ = std::move(found->pitch);
+  mount_ = std::move(found->mount);
+  return found->camera;
 }
 
 std::optional<TakeSurveyResult> TakeSurvey::solve() {

@@ -64,9 +64,10 @@ class TakeSurvey {
   std::optional<TakeSurveyResult> solve();
 
   // For a frame that cannot be followed: looks for the length or width, where nobody measured it
-  // nor solve() has found it, under which the picture's lines are those of the pitch. The frame's
-  // camera where they were found; the pitch is the survey's from here on, to be made better by
-  // solve().
+  // nor solve() has found it, under which the picture's lines are those of the pitch. Where all key
+  // frames show one end of the pitch, it is that end from which the mount is known: the other
+  // moves away from both. The frame's camera where they were found; pitch and mount are the
+  // survey's from here on, to be made better by solve().
   std::optional<geometry::CameraEstimate> resize(const image::Frame& frame);
 
   const geometry::Mount& mount() const { return mount_; }
@@ -87,6 +88,7 @@ class TakeSurvey {
 
   double distance(const geometry::HeadPose& a, const geometry::HeadPose& b) const;
   void drop_most_alike();
+  double end_seen() const;
 
   pitch::PitchModel pitch_;
   geometry::Mount mount_;
