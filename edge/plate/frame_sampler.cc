@@ -9,6 +9,8 @@
 #include <limits>
 #include <numbers>
 
+#include "shared/image/no_picture.h"
+
 namespace touchline::plate {
 namespace {
 
@@ -342,6 +344,11 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
         ++out.seen;
       }
     }
+  }
+  for (std::size_t at = 0; at < area; ++at) {
+    if (!image::no_picture(out.cb[at], out.cr[at])) continue;
+    out.seen -= out.inside[at];
+    out.inside[at] = 0;
   }
 }
 

@@ -15,8 +15,9 @@ struct TileSamples {
   std::vector<std::uint16_t> y;   // code value times 2
   std::vector<std::uint16_t> cb;  // code values
   std::vector<std::uint16_t> cr;
-  std::vector<std::uint8_t> inside;  // 1 where the frame shows the position
-  int seen = 0;                      // positions inside
+  // 1 where the frame shows the position, and a picture there (shared/image/no_picture.h).
+  std::vector<std::uint8_t> inside;
+  int seen = 0;  // positions inside
 };
 
 // Tiles the frame touches, in ascending order; bounded by `most`.
