@@ -44,6 +44,7 @@ base::Result<ChainSetup> chain_setup(const recording::Recording& recording,
 // has another size than the video, is left out and told.
 struct SurveyStills {
   std::vector<image::Frame> frames;
+  std::vector<image::FramePtr> take;  // instead of stills: pictures of the take, by time
   std::vector<base::Error> troubles;
 };
 SurveyStills load_stills(const recording::CameraEntry& camera);

@@ -98,17 +98,18 @@ void take_commands(wire::EdgeLink& link, FrameChain& chain) {
 }
 
 void process_frames(wire::EdgeLink& link, const ChainSetup& setup, const ChainOptions& options,
-                    std::vector<image::Frame> stills, runtime::Executor& executor,
-                    head::HeadSource* head, publish::TrackingOut& tracking,
-                    base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
-                    ChainReport& report, Trouble& trouble, std::stop_token stop) {
-  auto chain = FrameChain::make(setup, options, std::move(stills), &executor, head);
+                    SurveyStills stills, runtime::Executor& executor, head::HeadSource* head,
+                    publish::TrackingOut& tracking, base::BoundedQueue<image::FramePtr>& in,
+                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
+                    std::stop_token stop) {
+  auto chain = FrameChain::make(setup, options, std::move(stills.frames), &executor, head);
   if (!chain) {
     trouble.set(chain.error());
     in.close();
     out.close();
     return;
   }
+  chain->look_ahead(std::move(stills.take));
   // Graphics engines are served from here: the way to the hub may be slow, or wait.
   const auto hand_on = [&](ChainOutput output) {
     for (const codec::EncodedView& view : output.views) tracking.send(view);
@@ -159,8 +160,8 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
     executor = std::make_unique<runtime::InlineExecutor>();
   }
   std::jthread process_thread([&] {
-    process_frames(**link, setup, config.chain, std::move(stills.frames), *executor, head,
-                   *tracking, captured, outgoing, report.chain, trouble, end.get_token());
+    process_frames(**link, setup, config.chain, std::move(stills), *executor, head, *tracking,
+                   captured, outgoing, report.chain, trouble, end.get_token());
   });
 
   // This thread publishes.

@@ -28,6 +28,33 @@ compensate::Compensator compensator_of(const compensate::DetailOptions& options,
   return compensate::Compensator(model);
 }
 
+// What lies under graphics is not known, and is nobody.
+void keep_off(const compensate::BurntIn& graphics, image::Matte& matte) {
+  const image::Rect& box = graphics.bounds;
+  if (graphics.empty() || matte.alpha.width() != graphics.mask.width() ||
+      matte.alpha.height() != graphics.mask.height())
+    return;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      if (graphics.mask(x, y) == 0) continue;
+      matte.alpha(x, y) = 0;
+      matte.unknown(x, y) = 255;
+      matte.occluders(x, y) = 255;
+    }
+  }
+  image::Rect& region = matte.region;
+  if (region.empty()) {
+    region = box;
+    return;
+  }
+  const int right = std::max(region.x + region.width, box.x + box.width);
+  const int bottom = std::max(region.y + region.height, box.y + box.height);
+  region.x = std::min(region.x, box.x);
+  region.y = std::min(region.y, box.y);
+  region.width = right - region.x;
+  region.height = bottom - region.y;
+}
+
 }  // namespace
 
 base::Status ChainOptions::validate() const {
@@ -41,8 +68,8 @@ base::Status ChainOptions::validate() const {
     return base::out_of_bounds("plate_publish_frames", plate_publish_frames, "in 1..100000");
   }
   for (const base::Status& part :
-       {detail.validate(), mount.validate(), head.validate(), plate.validate(), key.validate(),
-        encode.validate(), codec.validate(), plate_tiles.validate()}) {
+       {detail.validate(), burnt_in.validate(), mount.validate(), head.validate(), plate.validate(),
+        key.validate(), encode.validate(), codec.validate(), plate_tiles.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -81,6 +108,7 @@ struct FrameChain::Impl {
   std::optional<HeadFollower> head;
   std::unique_ptr<calibrate::Calibrator> calibrator;
   std::unique_ptr<compensate::Compensator> compensator;
+  compensate::BurntIn graphics;
   std::unique_ptr<plate::PlateBuilder> plate;
   std::uint32_t plate_version = 1;  // of its first snapshot
   key::Keyer keyer;
@@ -209,6 +237,7 @@ struct FrameChain::Impl {
     {
       const StageTimer timer(stage(kKey));
       keyed = keyer.key(frame, estimate, snapshot, finder->pitch(), options.key);
+      keep_off(graphics, keyed.matte);
     }
     const StageTimer timer(stage(kEncode));
     auto encoded = codec::encode(
@@ -286,9 +315,15 @@ struct FrameChain::Impl {
     return done(std::move(out));
   }
 
+  // Without the graphics that are burnt into it.
+  image::FramePtr blanked(image::Frame frame) const {
+    if (!graphics.empty()) compensate::blank(graphics, frame);
+    return std::make_shared<const image::Frame>(std::move(frame));
+  }
+
   image::FramePtr compensated(const image::Frame& frame) {
     const StageTimer timer(stage(kCompensate));
-    return std::make_shared<const image::Frame>(compensator->apply(frame));
+    return blanked(compensator->apply(frame));
   }
 };
 
@@ -314,6 +349,23 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
                          {"plate", 0, 0},      {"key", 0, 0},    {"encode", 0, 0}};
   if (!impl->stills.empty()) impl->survey_stills();
   return FrameChain(std::move(impl));
+}
+
+void FrameChain::look_ahead(std::vector<image::FramePtr> pictures) {
+  if (impl_->setup.kind != HeadKind::kHead || impl_->finder->mount() || pictures.empty()) return;
+  {
+    const StageTimer timer(impl_->stage(kSurvey));
+    impl_->graphics = compensate::find_burnt_in(pictures, impl_->options.burnt_in);
+    state::DetailModel detail;
+    const auto undo =
+        compensator_of(impl_->options.detail, pictures, impl_->options.detail_frames, detail);
+    for (image::FramePtr& picture : pictures) picture = impl_->blanked(undo.apply(*picture));
+  }
+  if (const image::Rect& box = impl_->graphics.bounds; !box.empty())
+    impl_->note(fmt::format("graphics burnt into the picture: masked within {} x {} at ({}, {})",
+                            box.width, box.height, box.x, box.y));
+  impl_->finder->from_take(pictures);
+  impl_->note_survey();
 }
 
 ChainOutput FrameChain::push(image::FramePtr frame) {

@@ -12,6 +12,7 @@
 
 #include "edge/calibrate/survey.h"
 #include "edge/chain_setup.h"
+#include "edge/compensate/burnt_in.h"
 #include "edge/compensate/detail_estimator.h"
 #include "edge/encode/assemble.h"
 #include "edge/head_follower.h"
@@ -39,6 +40,7 @@ struct ChainOptions {
   int plate_publish_frames =
       250;  // frames between two looks at which plate tiles changed; 1..100000
   compensate::DetailOptions detail;
+  compensate::BurntInOptions burnt_in;
   MountOptions mount;
   HeadOptions head;
   plate::PlateOptions plate;
@@ -95,6 +97,12 @@ class FrameChain {
   FrameChain& operator=(FrameChain&&) noexcept;
   ~FrameChain();
 
+  // Before the first frame: pictures spread over the take that will be played, in order, for a head
+  // without survey stills. Where its mount is found in them, all frames are solved on it, the first
+  // as well as the last, and graphics that are burnt into them are masked: no stage looks at what
+  // is under them, and mattes say that it is not known. For recorded takes only; without effect on
+  // any other camera.
+  void look_ahead(std::vector<image::FramePtr> pictures);
   // The next frame. Nothing comes out during the hold-back; then everything held, then each frame
   // as it comes. A frame that cannot be encoded still comes out, without parts, with a note and
   // counted.

@@ -12,6 +12,7 @@
 #include "edge/edge_config.h"
 #include "edge/edge_pipeline.h"
 #include "edge/survey_report.h"
+#include "edge/take_pictures.h"
 #include "shared/base/log.h"
 #include "shared/runtime/clock.h"
 #include "shared/runtime/service.h"
@@ -96,6 +97,13 @@ int run(const Arguments& arguments) {
   auto source =
       capture::RecordingSource::open(*recording, config->camera, epoch, clock, source_options);
   if (!source) return failed(source.error());
+  if (!live && setup->kind == edge::HeadKind::kHead && stills.frames.empty()) {
+    // A recorded take may be looked through before it is played.
+    capture::RecordingSourceOptions fast;
+    auto look = capture::RecordingSource::open(*recording, config->camera, epoch, clock, fast);
+    if (!look) return failed(look.error());
+    stills.take = edge::take_pictures(**look, setup->rate, {}, (*service)->stop_token());
+  }
   (*service)->ready("running from a recording");
   auto report = edge::run_edge(*config, *setup, config->recording.string(), **source,
                                std::move(stills), head->get(), epoch, (*service)->stop_token());

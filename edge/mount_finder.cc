@@ -81,8 +81,8 @@ base::Status MountOptions::validate() const {
     return base::out_of_bounds("retry_s", retry_s, "in 0.1..3600");
   if (fixed_frames < 1 || fixed_frames > 64)
     return base::out_of_bounds("fixed_frames", fixed_frames, "in 1..64");
-  for (const base::Status& part :
-       {survey.validate(), take.validate(), calibrate.validate(), closeup.validate()}) {
+  for (const base::Status& part : {survey.validate(), take.validate(), calibrate.validate(),
+                                   closeup.validate(), search.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -103,6 +103,8 @@ MountFinder::MountFinder(const ChainSetup& setup, const MountOptions& options,
   options_.closeup.survey = options_.survey;
   options_.closeup.take = options_.take;
   options_.closeup.calibrate = options_.calibrate;
+  options_.search.take = options_.take;
+  options_.search.calibrate = options_.calibrate;
 }
 
 std::unique_ptr<calibrate::Calibrator> MountFinder::make_calibrator() const {
@@ -255,6 +257,28 @@ void MountFinder::follow_held(std::span<const image::FramePtr> held) {
   if (last) note_take(*last);
 }
 
+bool MountFinder::from_take(std::span<const image::FramePtr> pictures) {
+  if (mount_ || stills_failed_ || setup_.kind != HeadKind::kHead) return false;
+  const StageTimer timer(time_);
+  auto found = calibrate::search_take(pictures, pitch_, setup_.side, options_.search);
+  if (!found) {
+    note("not calibrated by the take: " + base::to_string(found.error()));
+    return false;
+  }
+  take_ = std::move(found->survey);
+  mount_ = take_->mount();
+  pitch_ = take_->pitch();
+  rms_px_ = found->rms_px;
+  solved_ = found->solved;
+  const Eigen::Vector3d p = mount_->position_in_world;
+  note(
+      fmt::format("surveyed from the take: {} of {} pictures, rms {:.2f} px, position {:.2f} "
+                  "{:.2f} {:.2f} m, pitch {:.2f} x {:.2f} m",
+                  found->solved, pictures.size(), found->rms_px, p.x(), p.y(), p.z(),
+                  pitch_.length_m, pitch_.width_m));
+  return true;
+}
+
 void MountFinder::from_held(std::span<const image::FramePtr> held) {
   if (mount_ || stills_failed_ || held.empty()) return;
   const StageTimer timer(time_);
@@ -333,6 +357,7 @@ MountFinder::Change MountFinder::follow(const image::FramePtr& frame,
   if (found && found->joint) better_ = std::move(found->joint);
   if (found && found->resized) {
     pitch_ = take_->pitch();
+    mount_ = take_->mount();
     initial_ = std::move(found->resized);
     if (late) initial_.reset();
     note(fmt::format("pitch by the lines that came into view: {:.1f} x {:.1f} m", pitch_.length_m,

@@ -16,6 +16,7 @@
 #include "edge/calibrate/calibrator.h"
 #include "edge/calibrate/closeup_survey.h"
 #include "edge/calibrate/survey.h"
+#include "edge/calibrate/take_search.h"
 #include "edge/calibrate/take_survey.h"
 #include "edge/chain_setup.h"
 #include "edge/stage_time.h"
@@ -35,7 +36,8 @@ struct MountOptions {
   calibrate::TakeSurveyOptions take;  // its survey options are those above
   calibrate::CalibrateOptions calibrate;
   calibrate::CloseupSurveyOptions
-      closeup;  // its survey, take and calibrate options are those above
+      closeup;                          // its survey, take and calibrate options are those above
+  calibrate::TakeSearchOptions search;  // its take and calibrate options are those above
 
   base::Status validate() const;
 };
@@ -64,7 +66,11 @@ class MountFinder {
   // Compensated survey stills of a head. The cameras of those that were solved, in their order;
   // empty when the survey failed, and then frames are not surveyed either.
   std::vector<geometry::CameraEstimate> from_stills(std::span<const image::Frame> stills);
-  // The compensated frames of the hold-back, from the first. Does nothing after from_stills.
+  // Compensated pictures spread over a recorded take that is looked through before it is played, of
+  // a head without survey stills. True when the mount was found in them.
+  bool from_take(std::span<const image::FramePtr> pictures);
+  // The compensated frames of the hold-back, from the first. Does nothing once the mount is known,
+  // nor after from_stills.
   void from_held(std::span<const image::FramePtr> held);
   // A running frame before it is calibrated: a camera that showed no pitch at first (a cap, a test
   // card) is tried again now and then.

@@ -14,6 +14,7 @@
 #include "edge/calibrate/pose_fit.h"
 #include "edge/calibrate/pose_score_internal.h"
 #include "edge/calibrate/survey_solve.h"
+#include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -217,16 +218,11 @@ class Search {
 base::Status TakeSearchOptions::validate() const {
   if (auto status = take.validate(); !status) return status;
   if (auto status = calibrate.validate(); !status) return status;
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("TakeSearchOptions.{}", field),
-                      fmt::format("is {}", value), fmt::format("must be {} to {}", least, most));
-  };
   for (const base::Status& status :
-       {check("started", started, 1, 64), check("places", places, 1, 64),
-        check("passes", passes, 2, 16), check("resizes", resizes, 0, 64),
-        check("enough", enough, 0, 1), check("least_solved", least_solved, 0, 1)})
+       {base::in_bounds("started", started, 1, 64), base::in_bounds("places", places, 1, 64),
+        base::in_bounds("passes", passes, 2, 16), base::in_bounds("resizes", resizes, 0, 64),
+        base::in_bounds("enough", enough, 0, 1),
+        base::in_bounds("least_solved", least_solved, 0, 1)})
     if (!status) return status;
   return {};
 }

@@ -1,12 +1,11 @@
 #include "edge/compensate/burnt_in.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
+#include "shared/base/bounds.h"
 #include "shared/image/no_picture.h"
 
 namespace touchline::compensate {
@@ -107,16 +106,12 @@ std::vector<std::pair<int, int>> take_piece(Mask& mask, int x, int y) {
 }  // namespace
 
 base::Status BurntInOptions::validate() const {
-  const auto check = [](const char* field, double value, double least,
-                        double most) -> base::Status {
-    if (value >= least && value <= most) return {};
-    return base::fail(base::ErrorKind::kConfiguration, fmt::format("BurntInOptions.{}", field),
-                      fmt::format("is {}", value), fmt::format("must be {} to {}", least, most));
-  };
-  for (const base::Status& status :
-       {check("least_pictures", least_pictures, 4, 1000), check("least_edge", least_edge, 1, 500),
-        check("least_share", least_share, 0.5, 1), check("most_standing", most_standing, 0, 1),
-        check("join_px", join_px, 0, 200), check("margin_px", margin_px, 0, 200)})
+  for (const base::Status& status : {base::in_bounds("least_pictures", least_pictures, 4, 1000),
+                                     base::in_bounds("least_edge", least_edge, 1, 500),
+                                     base::in_bounds("least_share", least_share, 0.5, 1),
+                                     base::in_bounds("most_standing", most_standing, 0, 1),
+                                     base::in_bounds("join_px", join_px, 0, 200),
+                                     base::in_bounds("margin_px", margin_px, 0, 200)})
     if (!status) return status;
   return {};
 }
