@@ -308,7 +308,12 @@ class Match {
     const Common sized = solve_common(alone, clicks, points_, larger_, true);
     const std::array<double, 3> found{sized.size_change.x(), sized.size_change.y(),
                                       sized.size_change.z()};
-    std::vector<Eigen::Vector3d> parts, sized_parts;
+    // A match has one pitch: its size by all its views serves each third of them.
+    std::vector<Eigen::Vector3d> own = points_;
+    for (std::size_t i = 0; i < own.size(); ++i)
+      for (std::size_t size = 0; size < 3; ++size)
+        own[i] += found[size] * (larger_[size][i] - points_[i]);
+    std::vector<Eigen::Vector3d> parts, sized_parts, own_parts;
     for (std::size_t part = 0; part < 3; ++part) {
       std::vector<CameraEstimate> some;
       std::vector<std::vector<Click>> theirs;
@@ -318,10 +323,13 @@ class Match {
       }
       parts.push_back(
           solve_common(some, theirs, points_, larger_, false).problem.mount.position_in_world);
+      own_parts.push_back(
+          solve_common(some, theirs, own, larger_, false).problem.mount.position_in_world);
       sized_parts.push_back(
           solve_common(some, theirs, points_, larger_, true).problem.mount.position_in_world);
     }
     row.cells.push_back({"scatter", scatter(parts), "m", parts.size()});
+    row.cells.push_back({"own size", scatter(own_parts), "m", own_parts.size()});
     row.cells.push_back({"sizes free", scatter(sized_parts), "m", sized_parts.size()});
     const Eigen::Vector3d& p = whole.problem.mount.position_in_world;
     row.cells.push_back({"x", p.x(), "m", alone.size()});
@@ -380,7 +388,10 @@ base::Result<SetReport> run_pitch_keypoints(const SetOptions& options) {
   for (auto& [name, views] : matches) Match(name, std::move(views), *pitch).run(report);
   report.notes.push_back(
       "scatter: root mean square distance from their mean of the positions, of views solved alone "
-      "on half of their points, or of three groups of views solved with one position each");
+      "on half of their points, or of three groups of views solved with one position each; own "
+      "size: "
+      "on the pitch of the size that all views of the match say, the same for each group; sizes "
+      "free: each group finds its own");
   if (unread > 0) report.notes.push_back(fmt::format("{} label files cannot be read", unread));
   return report;
 }
