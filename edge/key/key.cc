@@ -150,6 +150,7 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
         for (int y = y0; y < y1; ++y) {
           std::fill(matte.alpha.row(y) + x0, matte.alpha.row(y) + x1, std::uint8_t{0});
           std::fill(matte.unknown.row(y) + x0, matte.unknown.row(y) + x1, std::uint8_t{0});
+          std::fill(matte.occluders.row(y) + x0, matte.occluders.row(y) + x1, std::uint8_t{0});
         }
         continue;
       }

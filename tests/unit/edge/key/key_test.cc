@@ -262,6 +262,27 @@ TEST_F(Key, GoalFramesAreOccludersAndUnknown) {
   EXPECT_GT(seen, 0);
 }
 
+// The posts of rugby reach far above people.
+TEST_F(Key, NothingIsSetOutsideTheRegion) {
+  pitch_ = *pitch::make_pitch(pitch::Sport::kRugbyUnion, {});
+  camera_ = test_camera(0.75, -0.1, 500);
+  SetUp();
+  const image::Matte m =
+      key(scene_->frame({Disc{{240, 190}, 8}}, 7), camera_, *plate_, pitch_).matte;
+  int above = 0;
+  for (const auto& bar : pitch_.bars) {
+    const auto top = geometry::project(camera_, bar.start.z() > bar.end.z() ? bar.start : bar.end);
+    above += top && m.alpha.contains(static_cast<int>(top->x()), static_cast<int>(top->y())) &&
+             top->y() < m.region.y - 1;
+  }
+  EXPECT_GT(above, 0);
+  for (int y = 0; y < m.alpha.height(); ++y)
+    for (int x = 0; x < m.alpha.width(); ++x) {
+      if (m.region.contains(x, y)) continue;
+      EXPECT_EQ(m.alpha(x, y) + m.unknown(x, y) + m.occluders(x, y), 0) << x << ' ' << y;
+    }
+}
+
 TEST_F(Key, WithoutAPlateTurfIsKeyedByColourAndTheRestIsUnknown) {
   image::PlateSnapshot none;
   none.centre_in_world = plate_->centre_in_world;
