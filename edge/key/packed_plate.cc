@@ -27,44 +27,47 @@ void copy_row(const Neighbours& tiles, std::size_t channel, int y, Row& out) {
   out[kTile] = right ? right->mean[channel].row(at)[0] : std::uint16_t{0};
 }
 
+// By value, so that loops of them become vector instructions.
+std::uint16_t less(std::uint16_t a, std::uint16_t b) { return a < b ? a : b; }
+std::uint16_t more(std::uint16_t a, std::uint16_t b) { return a > b ? a : b; }
+
 // The range of luma round each sample of the second row, or kMissing.
-Row range_of(const std::array<const Row*, 4>& rows) {
+void range_of(const std::array<const Row*, 4>& rows, Row& range) {
   // Least and most of each column, and whether those that are mixed in a position are all known,
   // with a column before the first and two after the last like them.
   std::array<std::uint16_t, kRow + 3> least;
   std::array<std::uint16_t, kRow + 3> most;
   std::array<std::uint16_t, kRow + 3> known;
+  const std::uint16_t* const a = rows[0]->data();
+  const std::uint16_t* const b = rows[1]->data();
+  const std::uint16_t* const c = rows[2]->data();
+  const std::uint16_t* const d = rows[3]->data();
+  // What is not known, 0, is the greatest value here.
+  const auto or_most = [](std::uint16_t v) { return static_cast<std::uint16_t>(v - 1); };
   for (std::size_t x = 0; x < kRow; ++x) {
-    const std::uint16_t a = (*rows[0])[x];
-    const std::uint16_t b = (*rows[1])[x];
-    const std::uint16_t c = (*rows[2])[x];
-    const std::uint16_t d = (*rows[3])[x];
-    const auto or_most = [](std::uint16_t v) { return v != 0 ? v : std::uint16_t{0xffff}; };
-    least[x + 1] = std::min(std::min(or_most(a), or_most(b)), std::min(or_most(c), or_most(d)));
-    most[x + 1] = std::max(std::max(a, b), std::max(c, d));
-    known[x + 1] = std::min(b, c);
+    least[x + 1] = less(less(or_most(a[x]), or_most(b[x])), less(or_most(c[x]), or_most(d[x])));
+    most[x + 1] = more(more(a[x], b[x]), more(c[x], d[x]));
+    known[x + 1] = less(b[x], c[x]);
   }
   for (auto* values : {&least, &most, &known}) {
     (*values)[0] = (*values)[1];
     (*values)[kRow + 1] = (*values)[kRow + 2] = (*values)[kRow];
   }
-  Row range{};
   for (std::size_t x = 0; x < kTile; ++x) {
-    const std::uint16_t low =
-        std::min(std::min(least[x], least[x + 1]), std::min(least[x + 2], least[x + 3]));
-    const std::uint16_t high =
-        std::max(std::max(most[x], most[x + 1]), std::max(most[x + 2], most[x + 3]));
-    const std::uint16_t all = std::min(known[x + 1], known[x + 2]);
-    const auto spread = static_cast<std::uint16_t>(std::min(high - low, 0x7fff));
+    const std::uint16_t low = less(less(least[x], least[x + 1]), less(least[x + 2], least[x + 3]));
+    const std::uint16_t high = more(more(most[x], most[x + 1]), more(most[x + 2], most[x + 3]));
+    const std::uint16_t all = less(known[x + 1], known[x + 2]);
+    // `low` is one less than the value; where nothing is known `all` is 0.
+    const auto spread = less(static_cast<std::uint16_t>(high - low - 1), 0x7fff);
     range[x] = all != 0 ? spread : static_cast<std::uint16_t>(PackedTile::kMissing);
   }
-  return range;
+  range[kTile] = 0;
 }
 
 void pack(const Neighbours& tiles, PackedTile& out) {
   out.colours.resize(kRow * kRow);
   out.deviations.resize(kRow * kTile);
-  Row before, luma, next, after, blue, red;
+  Row before, luma, next, after, blue, red, range;
   copy_row(tiles, 0, 0, luma);
   copy_row(tiles, 0, 1, next);
   before = luma;
@@ -73,7 +76,7 @@ void pack(const Neighbours& tiles, PackedTile& out) {
     copy_row(tiles, 1, y, blue);
     copy_row(tiles, 2, y, red);
     std::uint64_t* to = &out.colours[static_cast<std::size_t>(y) * kRow];
-    const Row range = range_of({&before, &luma, &next, &after});
+    range_of({&before, &luma, &next, &after}, range);
     for (std::size_t x = 0; x < kRow; ++x) {
       const std::uint64_t chroma = std::uint64_t{blue[x]} << 16 | std::uint64_t{red[x]} << 32;
       to[x] = std::uint64_t{luma[x]} | chroma | std::uint64_t{range[x]} << 48;
@@ -88,8 +91,7 @@ void pack(const Neighbours& tiles, PackedTile& out) {
     const std::uint8_t* count = tiles[0]->count.row(y);
     std::uint32_t* deviations = &out.deviations[static_cast<std::size_t>(y) * kRow];
     for (std::size_t x = 0; x < kTile; ++x) {
-      const std::uint32_t more = std::max(blue_deviation[x], red_deviation[x]);
-      const std::uint32_t chroma = std::min<std::uint32_t>(more, 0x7fff);
+      const std::uint32_t chroma = less(more(blue_deviation[x], red_deviation[x]), 0x7fff);
       const std::uint32_t measured = count[x] >= kLeastSeen ? PackedTile::kMeasured : 0U;
       deviations[x] = luma_deviation[x] | chroma << 16 | measured;
     }
