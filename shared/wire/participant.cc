@@ -35,6 +35,7 @@ constexpr const char* kFlowController = "payload";
 constexpr std::size_t kLargestSample = 64u << 20;
 // Period of heartbeats, by which a reader notices a lost sample.
 constexpr std::int64_t kHeartbeatMs = 50;
+constexpr std::int32_t kStatusesKept = 64;  // of a unit, for a hub that is slow or joins late
 
 Duration_t duration(std::chrono::milliseconds time) {
   return {static_cast<std::int32_t>(time.count() / 1000),
@@ -204,7 +205,8 @@ dds::DataWriterQos writer_qos(const LinkOptions& options, TopicName topic) {
     case TopicName::kStatus:
       qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
       qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-      qos.history().depth = 1;
+      // What a status tells people must not be overtaken by the next one before it is sent.
+      qos.history().depth = kStatusesKept;
       qos.deadline().period = duration(options.status_deadline);
       qos.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
       qos.liveliness().lease_duration = duration(options.lease);
