@@ -6,22 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <optional>
 
 #include "edge/key/key.h"
-#include "edge/plate/plate_builder.h"
-#include "tests/unit/edge/plate/turf_scene.h"
+#include "tests/unit/edge/key/key_scene.h"
 
 namespace touchline::key {
 namespace {
 
-class Boards : public ::testing::Test {
+class Boards : public KeyScene {
  protected:
   void SetUp() override {
-    scene_.emplace(camera_, pitch_);
-    plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
-    for (unsigned k = 0; k < 6; ++k) builder.add(scene_->frame({}, 50 + k), camera_);
-    plate_ = builder.snapshot(true);
+    KeyScene::SetUp();
     origin_ = geometry::position_in_world(camera_);
   }
   // Metres that a pixel's ray ends beyond the far touchline; far beyond for none.
@@ -55,10 +50,6 @@ class Boards : public ::testing::Test {
                                           [](std::uint8_t a) { return a >= 128; }));
   }
 
-  pitch::PitchModel pitch_ = plate::test_pitch();
-  geometry::CameraEstimate camera_ = plate::test_camera(0);
-  std::optional<plate::Backdrop> scene_;
-  std::shared_ptr<const image::PlateSnapshot> plate_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
 };
 

@@ -8,32 +8,20 @@
 #include <optional>
 
 #include "edge/plate/plate_builder.h"
-#include "tests/unit/edge/plate/turf_scene.h"
+#include "tests/unit/edge/key/key_scene.h"
 
 namespace touchline::key {
 namespace {
 
-using plate::Backdrop;
 using plate::Disc;
 using plate::test_camera;
 using plate::test_pitch;
 
-class Key : public ::testing::Test {
+class Key : public KeyScene {
  protected:
-  void SetUp() override {
-    scene_.emplace(camera_, pitch_);
-    plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
-    for (unsigned k = 0; k < 6; ++k) builder.add(scene_->frame({}, 50 + k), camera_);
-    plate_ = builder.snapshot(true);
-  }
   image::Matte matte(const std::vector<Disc>& discs, const KeyOptions& options = {}) const {
     return key(scene_->frame(discs, 3), camera_, *plate_, pitch_, options).matte;
   }
-
-  pitch::PitchModel pitch_ = test_pitch();
-  geometry::CameraEstimate camera_ = test_camera(0);
-  std::optional<Backdrop> scene_;
-  std::shared_ptr<const image::PlateSnapshot> plate_;
 };
 
 TEST_F(Key, TheBoundaryOfADiscIsWithinAPixel) {
