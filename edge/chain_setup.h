@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "edge/calibrate/side.h"
+#include "edge/calibrate/initialise/side.h"
 #include "shared/base/ids.h"
 #include "shared/base/time.h"
 #include "shared/pitch/pitch_model.h"

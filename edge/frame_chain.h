@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "edge/calibrate/survey.h"
+#include "edge/calibrate/survey/survey.h"
 #include "edge/chain_setup.h"
 #include "edge/compensate/burnt_in.h"
 #include "edge/compensate/detail_estimator.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "edge/calibrate/pose_fit.h"
+#include "edge/calibrate/fit/pose_fit.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::edge {

@@ -15,9 +15,9 @@
 
 #include "edge/calibrate/calibrator.h"
 #include "edge/calibrate/closeup_survey.h"
-#include "edge/calibrate/survey.h"
+#include "edge/calibrate/survey/survey.h"
+#include "edge/calibrate/survey/take_survey.h"
 #include "edge/calibrate/take_search.h"
-#include "edge/calibrate/take_survey.h"
 #include "edge/chain_setup.h"
 #include "edge/stage_time.h"
 #include "shared/base/result.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "edge/calibrate/site_survey.h"
+#include "edge/calibrate/survey/site_survey.h"
 #include "edge/edge_config.h"
 
 namespace touchline::edge {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "edge/calibrate/head_motion_internal.h"
-#include "edge/calibrate/line_check.h"
+#include "edge/calibrate/lines/line_check.h"
+#include "edge/calibrate/track/head_motion_internal.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::calibrate {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
-#include "edge/calibrate/hough_initialiser.h"
-#include "edge/calibrate/line_map.h"
-#include "edge/calibrate/line_tracker.h"
-#include "edge/calibrate/plate_registration.h"
+#include "edge/calibrate/initialise/hough_initialiser.h"
+#include "edge/calibrate/lines/line_map.h"
+#include "edge/calibrate/texture/plate_registration.h"
+#include "edge/calibrate/track/line_tracker.h"
 #include "edge/state/track_result.h"
 #include "shared/base/result.h"
 #include "shared/base/time.h"

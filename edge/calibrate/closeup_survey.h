@@ -9,9 +9,9 @@
 #include <span>
 
 #include "edge/calibrate/calibrator.h"
-#include "edge/calibrate/side.h"
-#include "edge/calibrate/survey.h"
-#include "edge/calibrate/take_survey.h"
+#include "edge/calibrate/initialise/side.h"
+#include "edge/calibrate/survey/survey.h"
+#include "edge/calibrate/survey/take_survey.h"
 #include "shared/base/result.h"
 #include "shared/geometry/camera_estimate.h"
 #include "shared/image/frame.h"

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "edge/calibrate/cold_start.h"
-#include "edge/calibrate/line_map.h"
-#include "edge/calibrate/pose_fit.h"
-#include "edge/calibrate/pose_score_internal.h"
-#include "edge/calibrate/survey_solve.h"
+#include "edge/calibrate/fit/pose_fit.h"
+#include "edge/calibrate/initialise/cold_start.h"
+#include "edge/calibrate/initialise/pose_score_internal.h"
+#include "edge/calibrate/lines/line_map.h"
+#include "edge/calibrate/survey/survey_solve.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::calibrate {

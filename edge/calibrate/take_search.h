@@ -8,8 +8,8 @@
 #include <span>
 
 #include "edge/calibrate/calibrator.h"
-#include "edge/calibrate/side.h"
-#include "edge/calibrate/take_survey.h"
+#include "edge/calibrate/initialise/side.h"
+#include "edge/calibrate/survey/take_survey.h"
 #include "shared/base/result.h"
 #include "shared/image/frame.h"
 #include "shared/pitch/pitch_model.h"

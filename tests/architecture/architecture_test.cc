@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <string>
@@ -119,6 +120,25 @@ TEST(Architecture, SharedLayersIncludeOnlyDownward) {
   EXPECT_THAT(includes_that([&](const std::string& file, const std::string& included) {
                 return side_of(file) == "shared" && side_of(included) == "shared" &&
                        rank(stage_of(included)) > rank(stage_of(file));
+              }),
+              testing::IsEmpty());
+}
+
+TEST(Architecture, CalibrationIncludesOnlyDownward) {
+  const std::string folder = "edge/calibrate/";
+  const std::map<std::string, std::set<std::string>> below = {
+      {"lines", {}},
+      {"fit", {"lines"}},
+      {"initialise", {"lines"}},
+      {"survey", {"lines", "fit", "initialise"}},
+      {"track", {"lines", "fit"}},
+      {"texture", {"lines", "fit"}}};
+  const auto part_of = [&](const std::string& path) { return stage_of(path.substr(5)); };
+  EXPECT_THAT(includes_that([&](const std::string& file, const std::string& included) {
+                if (!starts_with(file, folder) || !starts_with(included, folder)) return false;
+                const std::string from = part_of(file), to = part_of(included);
+                if (from.empty() || from == to) return false;  // the calibrator sees all of them
+                return below.at(from).count(to) == 0;
               }),
               testing::IsEmpty());
 }

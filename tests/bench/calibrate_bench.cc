@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "edge/calibrate/calibrator.h"
-#include "edge/calibrate/hough_initialiser.h"
-#include "edge/calibrate/line_map.h"
-#include "edge/calibrate/line_tracker.h"
+#include "edge/calibrate/initialise/hough_initialiser.h"
+#include "edge/calibrate/lines/line_map.h"
+#include "edge/calibrate/track/line_tracker.h"
 #include "edge/edge_config.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/input.h"

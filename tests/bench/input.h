@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "edge/calibrate/survey.h"
+#include "edge/calibrate/survey/survey.h"
 #include "edge/state/detail_model.h"
 #include "shared/codec/camera_view.h"
 #include "shared/geometry/camera_estimate.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "edge/calibrate/survey.h"
+#include "edge/calibrate/survey/survey.h"
 #include "shared/base/ids.h"
 #include "shared/geometry/camera_estimate.h"
 #include "shared/image/matte.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "edge/calibrate/pose_fit.h"
+#include "edge/calibrate/fit/pose_fit.h"
 #include "shared/geometry/mount.h"
 
 namespace touchline::score {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "edge/calibrate/pose_fit.h"
-#include "edge/calibrate/survey_solve.h"
+#include "edge/calibrate/fit/pose_fit.h"
+#include "edge/calibrate/survey/survey_solve.h"
 #include "shared/geometry/mount.h"
 #include "shared/pitch/pitch_model.h"
 #include "tools/score/sets/clicked_camera.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "edge/calibrate/head_motion_internal.h"
+#include "edge/calibrate/track/head_motion_internal.h"
 #include "tests/unit/edge/calibrate/painted_pitch.h"
 
 namespace touchline::calibrate {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <random>
 
-#include "edge/calibrate/side.h"
+#include "edge/calibrate/initialise/side.h"
 #include "shared/geometry/camera_estimate.h"
 #include "shared/geometry/mount.h"
 #include "shared/image/frame.h"

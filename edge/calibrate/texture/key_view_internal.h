@@ -1,0 +1,48 @@
+// A view of the head with its camera, and the places in it that can be found again: of a frame, or
+// drawn from the spherical plate.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "edge/calibrate/texture/luma_pyramid_internal.h"
+#include "shared/geometry/camera_estimate.h"
+#include "shared/image/frame.h"
+#include "shared/image/plate_snapshot.h"
+
+namespace touchline::calibrate {
+
+struct KeyPoint {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();      // in the view's picture
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit, in world
+  float texture = 0;  // gradient in its weakest direction, code values a pixel of level 1
+  int looked = 0;     // frames it was looked for in
+  int found = 0;      // of them, where it stood still
+};
+
+struct KeyView {
+  LumaPyramid pyramid;
+  geometry::CameraEstimate camera;
+  std::vector<KeyPoint> points;
+  std::uint64_t last_used = 0;
+  bool from_plate = false;
+};
+
+// Needs a camera that is not lost and a frame of its size.
+KeyView view_of_frame(const image::Frame& frame, const geometry::CameraEstimate& camera,
+                      double least_texture);
+
+struct PlateViewOptions {
+  int least_count = 2;         // frames that a sample of the plate stands on
+  double most_deviation = 40;  // standard deviation of what stands still, code values
+  double least_share = 0.25;   // of the picture that the plate must cover
+};
+
+// What the plate shows where `camera` looks; none where it covers too little.
+std::optional<KeyView> view_of_plate(const image::PlateSnapshot& plate,
+                                     const geometry::CameraEstimate& camera, double least_texture,
+                                     const PlateViewOptions& options);
+
+}  // namespace touchline::calibrate
