@@ -130,7 +130,7 @@ void look(const image::Frame& frame, const image::ChromaShift& shift, const Plat
                   codes(sampled(plate.cr), 512.f)};
   const __m256 again = _mm256_div_ps(all(kLitAgain * lit), _mm256_max_ps(b.y, all(8.f)));
   const __m256 high = _mm256_max_ps(all(light.high), _mm256_min_ps(again, all(2.f)));
-  const Weights w = weights(noise.luma, noise.chroma, codes(sampled(plate.luma_deviation), 0.f),
+  const Weights w = weights(noise, b, codes(sampled(plate.luma_deviation), 0.f),
                             codes(sampled(plate.chroma_deviation), 0.f),
                             times(floats(sampled(plate.range)), all(kCoarseRangeShare * 0.0625f)));
   const __m256 d = residual(p, b, w, light, high);
@@ -226,6 +226,8 @@ CellMask find_active(const image::Frame& frame, PlateWarper& warper, const Frame
   const auto shift = image::chroma_shift(frame.format);
   const Light on_turf = light_on_turf(options, scene);
   const Noise noise = noise_of(options);
+  const Noise turf_noise =
+      noise_on_turf(options, scene, warper.turf_luma_deviation(), warper.turf_chroma_deviation());
   const float bound = static_cast<float>(std::pow(kCoarseShare * options.weak_sigma, 2));
   const float sure =
       static_cast<float>(std::pow(kCoarseShare * kCoarseFair * options.strong_sigma, 2));
@@ -252,7 +254,7 @@ CellMask find_active(const image::Frame& frame, PlateWarper& warper, const Frame
         const bool turf = grid.turf.at(i, j);
         warper.sample(x, y, 2, samples);
         look(frame, shift, samples, x, y, turf ? warper.turf_luma(i, j) : 0.f,
-             turf ? on_turf : elsewhere, noise, bound, sure, seen);
+             turf ? on_turf : elsewhere, turf ? turf_noise : noise, bound, sure, seen);
       }
     for (int i = 0; i < hit.columns; ++i) {
       const FirstLook& seen = looks[static_cast<std::size_t>(i)];
@@ -284,7 +286,9 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
 
   const Light on_grass = light_on_turf(options, scene);
   const Light elsewhere = light_elsewhere(scene);
-  const Noise noise = noise_of(options);
+  const Noise noise_elsewhere = noise_of(options);
+  const Noise noise_on_grass =
+      noise_on_turf(options, scene, warper.turf_luma_deviation(), warper.turf_chroma_deviation());
   const auto reach = static_cast<float>(std::min(options.calibration_px, 4.0));
   const int taps = reach > 0 ? static_cast<int>(std::ceil(reach)) : 0;
   const auto weak = static_cast<float>(options.weak_sigma * options.weak_sigma);
@@ -308,6 +312,7 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const int j = y / kCell;
     const bool grass = grid.turf.at(i, j);
     const Light light = grass ? on_grass : elsewhere;
+    const Noise& noise = grass ? noise_on_grass : noise_elsewhere;
     const float lit = grass ? warper.turf_luma(i, j) : 0.f;
     const __m128i luma = words_at(plate.y.row(y) + x);
     const __m128i none = _mm_cmpeq_epi16(luma, _mm_setzero_si128());
@@ -326,10 +331,10 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const __m256 least = _mm256_andnot_ps(no_extremes, codes(least_words, 64.f));
     const __m256 most = _mm256_andnot_ps(no_extremes, codes(most_words, 64.f));
     const __m256 range = minus(most, least);
-    const Weights w = weights(noise.luma, noise.chroma,
-                              choose(missing, all(1.5f * kNoTurfDeviation), luma_deviation),
-                              choose(missing, all(0.5f * kNoTurfDeviation), chroma_deviation),
-                              times(all(kRangeShare), range));
+    const Weights w =
+        weights(noise, b, choose(missing, all(1.5f * kNoTurfDeviation), luma_deviation),
+                choose(missing, all(0.5f * kNoTurfDeviation), chroma_deviation),
+                times(all(kRangeShare), range));
     __m256 high = all(light.high);
     __m256 d = residual(p, b, w, light, high);
     const __m256 unlike = _mm256_andnot_ps(missing, _mm256_cmp_ps(d, all(weak), _CMP_GE_OQ));
@@ -353,8 +358,7 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
     const __m256 bright = _mm256_fnmadd_ps(high, most, p.y);
     const __m256 more = _mm256_max_ps(_mm256_max_ps(dark, bright), zero);
     const __m256 beyond = choose(greater(most, zero), more, zero);
-    const __m256 variance = _mm256_fmadd_ps(luma_deviation, luma_deviation,
-                                            _mm256_fmadd_ps(halo, halo, all(noise.luma)));
+    const __m256 variance = _mm256_fmadd_ps(halo, halo, luma_variance(noise, b, luma_deviation));
     d = _mm256_max_ps(d, _mm256_div_ps(times(beyond, beyond), variance));
 
     const int n = std::min(kLanes, width - x);

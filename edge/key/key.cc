@@ -115,7 +115,7 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
   state_->plate.show(shown);
   PlateWarper warper(plate, state_->plate, grid, width, height, o.noise_codes);
   const Expected turf = turf_colour(frame, grid);
-  const SceneLight light = scene_light(frame, warper, grid);
+  const SceneLight light = scene_light(frame, warper, grid, o.noise_codes);
   const CellMask active = find_active(frame, warper, grid, light, o);
   WarpedPlate& warped = state_->warped;
   Difference& diff = state_->difference;

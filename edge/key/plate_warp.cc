@@ -206,18 +206,22 @@ void PlateWarper::measure_turf(double noise_codes) {
     chroma.push_back(s.chroma_deviation[0]);
     at_node[n] = s.y[0] * 0.0625f - 64.f;
   }
-  const auto bound = [](std::vector<std::uint16_t>& v, double least) {
-    double middle = 0;
-    if (!v.empty()) {
-      const auto m = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-      std::nth_element(v.begin(), m, v.end());
-      middle = *m;
-    }
+  const auto middle_of = [](std::vector<std::uint16_t>& v) {
+    if (v.empty()) return 0.0;
+    const auto m = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::nth_element(v.begin(), m, v.end());
+    return static_cast<double>(*m);
+  };
+  const auto bound = [](double middle, double least) {
     return static_cast<std::uint16_t>(
         std::min(65535.0, kTurfSpread * std::max(middle, 16 * least)));
   };
-  luma_bound_ = bound(luma, noise_codes);
-  chroma_bound_ = bound(chroma, kChromaNoise * noise_codes);
+  const double middle_luma = middle_of(luma);
+  const double middle_chroma = middle_of(chroma);
+  luma_bound_ = bound(middle_luma, noise_codes);
+  chroma_bound_ = bound(middle_chroma, kChromaNoise * noise_codes);
+  turf_luma_deviation_ = static_cast<float>(middle_luma / 16);
+  turf_chroma_deviation_ = static_cast<float>(middle_chroma / 16);
 
   turf_luma_.assign(grid_.rays.size(), 0.f);
   std::vector<float> near;

@@ -49,6 +49,9 @@ class PlateWarper {
   void start(const CellMask& cells, WarpedPlate& out) const;
   // Fills the cells of one row of them; those outside the volume with 0.
   void warp_row(int j, WarpedPlate& out);
+  // The usual deviations of the plate's turf in sight, code values; 0 where there is none.
+  float turf_luma_deviation() const { return turf_luma_deviation_; }
+  float turf_chroma_deviation() const { return turf_chroma_deviation_; }
   // Luma of the turf round a cell, code values less black; 0 = unknown.
   float turf_luma(int i, int j) const;
 
@@ -74,6 +77,7 @@ class PlateWarper {
   std::int32_t first_column_ = 0, last_column_ = -1, first_row_ = 0, last_row_ = -1;
   std::vector<TilePair> tiles_;
   std::uint16_t luma_bound_ = 0xffff, chroma_bound_ = 0xffff;
+  float turf_luma_deviation_ = 0, turf_chroma_deviation_ = 0;
   std::vector<float> turf_luma_;  // at every second of the grid's nodes
 };
 

@@ -11,7 +11,10 @@
 
 namespace touchline::key {
 
-inline constexpr float kChromaNoise = 0.6f;    // of the luma noise
+inline constexpr float kChromaNoise = 0.6f;  // of the luma noise
+// What another light leaves over of turf and paint, in luma and in chroma: shares of their luma.
+inline constexpr float kLumaOfLight = 0.0125f;
+inline constexpr float kChromaOfLight = 0.0125f;
 inline constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
 
 // How light may change what a background pixel shows.
@@ -71,25 +74,49 @@ inline __m256 residual(const Colours& p, const Colours& b, const Weights& w, con
                          times(w.chroma, _mm256_fmadd_ps(rb, rb, times(rr, rr))));
 }
 
-// The weights of a pixel whose plate has these deviations and is `blur` out of place.
-inline Weights weights(float luma_noise, float chroma_noise, __m256 luma_deviation,
-                       __m256 chroma_deviation, __m256 blur) {
-  const __m256 blurred = times(blur, blur);
-  const __m256 luma =
-      _mm256_fmadd_ps(luma_deviation, luma_deviation, _mm256_add_ps(all(luma_noise), blurred));
-  const __m256 chroma =
-      _mm256_fmadd_ps(chroma_deviation, chroma_deviation,
-                      _mm256_fmadd_ps(all(kChromaOfRange), blurred, all(chroma_noise)));
-  return {_mm256_div_ps(all(1.f), luma), _mm256_div_ps(all(1.f), chroma)};
+// Of frame and plate together. A pixel's variance is what it has here and its plate's deviation
+// squared, that being no less than the one here.
+struct Noise {
+  float luma, chroma;  // variances; less than 0 where the deviations hold them
+  float luma_deviation = 0, chroma_deviation = 0;
+  float luma_share = 0, chroma_share = 0;  // of the plate's luma there, likewise: what light does
+};
+
+// Variance of luma of a pixel whose plate has this luma and deviation.
+inline __m256 luma_variance(const Noise& noise, const Colours& b, __m256 deviation) {
+  const __m256 more = _mm256_max_ps(deviation, all(noise.luma_deviation));
+  const __m256 left = times(all(noise.luma_share), b.y);
+  return _mm256_fmadd_ps(more, more, _mm256_fmadd_ps(left, left, all(noise.luma)));
 }
 
-struct Noise {
-  float luma, chroma;  // variances
-};
+// The weights of a pixel whose plate has these deviations and is `blur` out of place.
+inline Weights weights(const Noise& noise, const Colours& b, __m256 luma_deviation,
+                       __m256 chroma_deviation, __m256 blur) {
+  const __m256 blurred = times(blur, blur);
+  const __m256 luma = _mm256_add_ps(luma_variance(noise, b, luma_deviation), blurred);
+  const __m256 more = _mm256_max_ps(chroma_deviation, all(noise.chroma_deviation));
+  const __m256 left = times(all(noise.chroma_share * noise.chroma_share), times(b.y, b.y));
+  const __m256 chroma = _mm256_fmadd_ps(
+      more, more,
+      _mm256_fmadd_ps(all(kChromaOfRange), blurred, _mm256_add_ps(left, all(noise.chroma))));
+  return {_mm256_div_ps(all(1.f), luma), _mm256_div_ps(all(1.f), chroma)};
+}
 
 inline Noise noise_of(const KeyOptions& options) {
   const auto luma = static_cast<float>(options.noise_codes * options.noise_codes);
   return {luma, kChromaNoise * kChromaNoise * luma};
+}
+
+// On turf, whose noise is measured: the usual deviation of the plate's turf is part of it.
+inline Noise noise_on_turf(const KeyOptions& options, const SceneLight& scene, float luma_deviation,
+                           float chroma_deviation) {
+  if (!(scene.luma_noise > 0) || !(scene.chroma_noise > 0)) return noise_of(options);
+  return {scene.luma_noise * scene.luma_noise - luma_deviation * luma_deviation,
+          scene.chroma_noise * scene.chroma_noise - chroma_deviation * chroma_deviation,
+          luma_deviation,
+          chroma_deviation,
+          kLumaOfLight,
+          kChromaOfLight};
 }
 
 // What shines by itself, a board, does not follow the light.

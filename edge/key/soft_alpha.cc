@@ -19,7 +19,7 @@ constexpr int kShadeReach = 6;         // pixels round them that tell it
 constexpr int kFar = 4;                // depths are told apart up to this
 constexpr int kDeep = 3;               // pixels from the boundary from which on a colour is pure
 constexpr float kSureShare = 0.55f;    // of that peak, for a pixel of pure foreground
-constexpr float kFringeShare = 0.3f;   // likewise, below which the outermost pixels are a fringe
+constexpr float kFringeShare = 0.5f;   // likewise, below which the outermost pixels are a fringe
 constexpr float kCostPerPixel = 60;    // squared code values, of looking for a colour farther away
 constexpr float kCostOfRim = 250;      // of a colour a pixel nearer to the boundary
 constexpr float kUnexplained = 0.3f;   // share of a pixel's squared difference no mix explains
@@ -104,7 +104,7 @@ class Cores {
 
   void fill(const image::Frame& frame, const Difference& difference,
             const image::Image<std::uint8_t>& peak, const image::Image<std::int8_t>& depth,
-            const Span& span, int y) {
+            float weak, const Span& span, int y) {
     std::int16_t* deep = to(kDepth, y);
     if (span.begin == 0) std::fill(deep - kPad, deep, std::int16_t{0});
     if (span.end == width_) std::fill(deep + width_, deep + width_ + kPad, std::int16_t{0});
@@ -123,7 +123,9 @@ class Cores {
         const auto reached = static_cast<float>(distance[x]);
         const float wanted = kSureShare * static_cast<float>(top[x]);
         const std::int16_t d = std::min<std::int16_t>(steps[x], kDeep);
-        deep[x] = reached >= wanted && d > 0 ? d : std::int16_t{0};
+        // Deep in a body a dark colour beside a bright one is another part of the person.
+        const bool pure = reached >= wanted || (d == kDeep && reached >= weak);
+        deep[x] = pure && d > 0 ? d : std::int16_t{0};
       }
       const std::uint16_t* luma = frame.planes[0].row(y);
       std::int16_t* out = to(kLuma, y);
@@ -344,10 +346,12 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
   const image::Image<std::int8_t>& depth = buffers.depth;
   signed_depth(bodies, cells, buffers.depth);
   Cores cores(buffers.cores, width, height);
-  each_span(cells, width, height,
-            [&](const Span& span, int y) { cores.fill(frame, difference, peak, depth, span, y); });
+  const float weak = static_cast<float>(options.weak_sigma) * kDistanceScale;
+  each_span(cells, width, height, [&](const Span& span, int y) {
+    cores.fill(frame, difference, peak, depth, weak, span, y);
+  });
   Shades shades(frame, plate, turf, depth);
-  const float own_colour = static_cast<float>(1.5 * options.weak_sigma) * kDistanceScale;
+  const float own_colour = 1.5f * weak;
 
   image::Image<std::uint8_t> alpha(width, height, 0);
   Mixture mixture;

@@ -103,6 +103,56 @@ TEST_F(Key, DarkLimbsOverTurfAreKept) {
   }
 }
 
+// A frame with this share of its light.
+image::Frame in_the_shade(image::Frame frame, double share) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double none = c == 0 ? 64 : 512;
+    for (std::size_t i = 0; i < frame.planes[c].size(); ++i) {
+      std::uint16_t& v = frame.planes[c].data()[i];
+      v = static_cast<std::uint16_t>(std::lround(none + share * (v - none)));
+    }
+  }
+  return frame;
+}
+
+TEST_F(Key, DarkLimbsInDeepShadeAreKept) {
+  constexpr double kShare = 0.3;
+  constexpr double kNoise = 2 / kShare;  // as much as in the light
+  plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
+  for (unsigned k = 0; k < 6; ++k)
+    builder.add(in_the_shade(scene_->frame({}, 50 + k, kNoise), kShare), camera_);
+  plate_ = builder.snapshot(true);
+  for (const auto& colour :
+       {std::array<float, 3>{150, 500, 540}, std::array<float, 3>{110, 505, 520},
+        std::array<float, 3>{200, 490, 580}}) {
+    const auto discs = arm({240, 170}, {0.6, 0.8}, colour);
+    const auto frame = in_the_shade(scene_->frame(discs, 3, kNoise), kShare);
+    EXPECT_GE(kept(key(frame, camera_, *plate_, pitch_).matte, discs),
+              static_cast<int>(discs.size()) - 2)
+        << colour[0];
+  }
+}
+
+TEST_F(Key, NoiseIsNobodyHoweverMuchThereIs) {
+  for (const double noise : {1.0, 4.0, 7.0}) {
+    plate::PlateBuilder builder(pitch_, geometry::position_in_world(camera_), 1.0 / 500);
+    for (unsigned k = 0; k < 9; ++k) builder.add(scene_->frame({}, 50 + k, noise), camera_);
+    const auto alpha =
+        key(scene_->frame({}, 4, noise), camera_, *builder.snapshot(true), pitch_).matte.alpha;
+    EXPECT_EQ(std::count_if(alpha.data(), alpha.data() + alpha.size(),
+                            [](std::uint8_t a) { return a != 0; }),
+              0)
+        << noise;
+  }
+}
+
+TEST_F(Key, ADarkArmBesideABrightShirtIsNoMixOfThatAndTurf) {
+  std::vector<Disc> discs{{{240, 150}, 14, {880, 512, 512}}};
+  for (int k = 0; k < 30; ++k) discs.push_back({{256.0, 140.0 + k}, 3.5, {215, 500, 540}});
+  const auto alpha = matte(discs).alpha;
+  for (int k = 0; k < 30; ++k) EXPECT_GE(alpha(256, 140 + k), 192) << k;
+}
+
 // The pixel of the picture nearest to its middle that shows a painted line.
 std::optional<Eigen::Vector2d> painted_pixel(const geometry::CameraEstimate& camera,
                                              const pitch::PitchModel& pitch) {
