@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
 
 #include "shared/base/ids.h"
@@ -96,6 +97,25 @@ base::Status check_bounds(const CommandMessage& message) {
     if (auto ok = check_camera(message.camera); !ok) return ok;
   }
   return check_text(message.camera, "text", message.text, kMaxTextChars);
+}
+
+base::Status check_bounds(const PeopleMessage& message) {
+  if (auto ok = check_camera(message.camera); !ok) return ok;
+  if (auto ok = check_size(message.camera, "number of places", message.places.size(), kMaxPlaces);
+      !ok) {
+    return ok;
+  }
+  for (const Place& place : message.places) {
+    // Written so that what is not a number is refused.
+    if (std::abs(place.x) <= kMostPlaceM && std::abs(place.y) <= kMostPlaceM && place.sd_m > 0 &&
+        place.sd_m <= kMostPlaceM) {
+      continue;
+    }
+    return base::fail(
+        ErrorKind::kFormat, message.camera,
+        fmt::format("someone stands at {}, {} m to within {} m", place.x, place.y, place.sd_m));
+  }
+  return {};
 }
 
 }  // namespace touchline::wire

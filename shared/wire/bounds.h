@@ -14,6 +14,10 @@ base::Status check_bounds(const FrameMessage& message);
 base::Status check_bounds(const PlateMessage& message);
 base::Status check_bounds(const StatusMessage& message);
 base::Status check_bounds(const CommandMessage& message);
+// And kFormat for a place that is no number, farther than kMostPlaceM from the centre spot, or
+// whose sd_m is not above 0.
+inline constexpr float kMostPlaceM = 1000;
+base::Status check_bounds(const PeopleMessage& message);
 
 // Bytes of payload, for reports.
 std::size_t payload_bytes(const FrameMessage& message);

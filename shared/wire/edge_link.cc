@@ -18,6 +18,7 @@ namespace {
 using base::ErrorKind;
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMaxCommands = 64;
+constexpr std::size_t kMaxPeople = 64;
 constexpr unsigned kAllWriters = static_cast<unsigned>(Endpoint::kFrames) |
                                  static_cast<unsigned>(Endpoint::kPlates) |
                                  static_cast<unsigned>(Endpoint::kStatus);
@@ -211,6 +212,27 @@ class CommandReader : public dds::DataReaderListener {
   idl::Command sample_;
 };
 
+// What other cameras see. What this unit's own camera sees would only confirm itself.
+class PeopleReader : public dds::DataReaderListener {
+ public:
+  PeopleReader(std::string camera, base::BoundedQueue<PeopleMessage>& people)
+      : camera_(std::move(camera)), people_(people) {}
+
+  void on_data_available(dds::DataReader* reader) override {
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&sample_, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      auto message = from_sample(sample_);
+      if (message && message->camera != camera_) people_.push(*std::move(message));
+    }
+  }
+
+ private:
+  const std::string camera_;
+  base::BoundedQueue<PeopleMessage>& people_;
+  idl::People sample_;
+};
+
 }  // namespace
 
 struct EdgeLink::Impl {
@@ -219,11 +241,13 @@ struct EdgeLink::Impl {
         camera(camera_id.value),
         epoch(run),
         commands(kMaxCommands, base::FullPolicy::kDropOldest),
+        people(kMaxPeople, base::FullPolicy::kDropOldest),
         hub(options.mode, camera, options.lease),
         frame_listener(hub, Endpoint::kFrames),
         plate_listener(hub, Endpoint::kPlates),
         status_listener(hub, Endpoint::kStatus),
-        command_listener(hub, commands) {}
+        command_listener(hub, commands),
+        people_listener(camera, people) {}
 
   base::Status check(const std::string& message_camera, std::uint32_t message_epoch) const;
   // Whether to write the message now; false = there is nobody to take it.
@@ -235,11 +259,13 @@ struct EdgeLink::Impl {
   const std::string camera;
   const std::uint32_t epoch;
   base::BoundedQueue<CommandMessage> commands;
+  base::BoundedQueue<PeopleMessage> people;
   HubState hub;
   WriterListener frame_listener;
   WriterListener plate_listener;
   WriterListener status_listener;
   CommandReader command_listener;
+  PeopleReader people_listener;
 
   mutable std::mutex mutex;  // of report and latest
   EdgeLinkReport report;
@@ -307,6 +333,8 @@ base::Result<std::unique_ptr<EdgeLink>> EdgeLink::open(const LinkOptions& option
   impl->command_listener.address(impl->participant->key());
   auto commands = impl->participant->reader(TopicName::kCommand, 1, &impl->command_listener);
   if (!commands) return base::fail(commands.error());
+  auto people = impl->participant->reader(TopicName::kPeople, 1, &impl->people_listener);
+  if (!people) return base::fail(people.error());
   auto frames = impl->participant->writer(TopicName::kFrame, &impl->frame_listener);
   if (!frames) return base::fail(frames.error());
   auto plates = impl->participant->writer(TopicName::kPlate, &impl->plate_listener);
@@ -396,6 +424,11 @@ base::Status EdgeLink::finish(std::stop_token stop) {
 std::optional<CommandMessage> EdgeLink::take_command() {
   if (impl_->commands.size() == 0) return std::nullopt;
   return impl_->commands.pop();
+}
+
+std::optional<PeopleMessage> EdgeLink::take_people() {
+  if (impl_->people.size() == 0) return std::nullopt;
+  return impl_->people.pop();
 }
 
 EdgeLinkReport EdgeLink::report() const {

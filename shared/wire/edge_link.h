@@ -53,6 +53,10 @@ class EdgeLink {
   // The next command of the hub to this unit, if one has come.
   std::optional<CommandMessage> take_command();
 
+  // The next the hub has said of people whom other cameras see, oldest first; those that nobody
+  // took give way to newer ones.
+  std::optional<PeopleMessage> take_people();
+
   EdgeLinkReport report() const;
 
  private:

@@ -120,6 +120,7 @@ struct HubLink::Impl {
 
   std::unique_ptr<Participant> participant;
   dds::DataWriter* command_writer = nullptr;
+  dds::DataWriter* people_writer = nullptr;
   std::jthread ticker;
 };
 
@@ -168,6 +169,9 @@ base::Result<std::unique_ptr<HubLink>> HubLink::open(const LinkOptions& options,
   auto writer = impl->participant->writer(TopicName::kCommand, &impl->commands);
   if (!writer) return base::fail(writer.error());
   impl->command_writer = *writer;
+  auto people = impl->participant->writer(TopicName::kPeople, nullptr);
+  if (!people) return base::fail(people.error());
+  impl->people_writer = *people;
   const int units = static_cast<int>(cameras.size());
   for (const auto& [topic, listener] :
        {std::pair<TopicName, dds::DataReaderListener*>{TopicName::kFrame, &impl->frames},
@@ -230,6 +234,14 @@ base::Status HubLink::send(const CommandMessage& command) {
     if (auto ok = impl_->write(to_sample(address, command)); !ok) return ok;
   }
   return {};
+}
+
+base::Status HubLink::send(const PeopleMessage& people) {
+  if (auto ok = check_bounds(people); !ok) return ok;
+  idl::People sample;
+  to_sample(people, sample);
+  if (impl_->people_writer->write(&sample)) return {};
+  return base::fail(ErrorKind::kUnavailable, people.camera, "its people could not be sent");
 }
 
 void HubLink::pause(const base::CameraId& camera, bool paused) {

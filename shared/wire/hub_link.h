@@ -40,6 +40,9 @@ class HubLink {
   // Error kNotFound when no unit of that camera is there.
   base::Status send(const CommandMessage& command);
 
+  // To every unit that listens, and to nobody where none does; what is lost on the way stays lost.
+  base::Status send(const PeopleMessage& people);
+
   // Replay: while paused, a camera gets no more credit; what is on the way still comes. For a
   // camera that is far ahead of the others.
   void pause(const base::CameraId& camera, bool paused);

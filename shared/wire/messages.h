@@ -12,7 +12,7 @@
 namespace touchline::wire {
 
 // Of touchline.idl. A sample with another version is refused with both versions named.
-inline constexpr std::uint16_t kSchemaVersion = 1;
+inline constexpr std::uint16_t kSchemaVersion = 2;
 
 // Bounds of touchline.idl; a message beyond them is refused by send() with an Error.
 inline constexpr std::size_t kMaxParts = 8;
@@ -23,6 +23,7 @@ inline constexpr std::size_t kMaxNameChars = 32;  // camera ids, names of stages
 inline constexpr std::size_t kMaxSourceChars = 1024;
 inline constexpr std::size_t kMaxTextChars = 4096;
 inline constexpr std::size_t kMaxListEntries = 64;  // stages, drop reasons
+inline constexpr std::size_t kMaxPlaces = 64;       // of people whom one camera sees
 
 struct StampFields {
   std::int64_t media_time_ns = 0;
@@ -126,6 +127,23 @@ struct CommandMessage {
   CommandKind kind = CommandKind::kStart;
   std::string text;  // what the command carries, by kind
   bool operator==(const CommandMessage&) const = default;
+};
+
+// Where someone stands: pitch frame, metres, on the turf.
+struct Place {
+  float x = 0;
+  float y = 0;
+  float sd_m = 0;  // in the direction in which it is known least
+  bool operator==(const Place&) const = default;
+};
+
+// From the hub to every unit: the people whom one camera sees at an instant.
+struct PeopleMessage {
+  std::string camera;
+  std::int64_t media_time_ns = 0;
+  std::uint8_t domain = 0;  // of the clock that the time is of
+  std::vector<Place> places;
+  bool operator==(const PeopleMessage&) const = default;
 };
 
 // A unit was found, is of this schema, and has the camera to itself.

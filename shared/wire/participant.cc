@@ -30,12 +30,14 @@ using eprosima::fastrtps::Duration_t;
 namespace rtps = eprosima::fastrtps::rtps;
 
 constexpr const char* kTopicNames[kTopics] = {"edge/frame", "edge/plate", "edge/status",
-                                              "hub/command"};
+                                              "hub/command", "hub/people"};
 constexpr const char* kFlowController = "payload";
 constexpr std::size_t kLargestSample = 64u << 20;
 // Period of heartbeats, by which a reader notices a lost sample.
 constexpr std::int64_t kHeartbeatMs = 50;
 constexpr std::int32_t kStatusesKept = 64;  // of a unit, for a hub that is slow or joins late
+
+constexpr std::int32_t kPeopleKept = 64;  // a message a camera
 
 Duration_t duration(std::chrono::milliseconds time) {
   return {static_cast<std::int32_t>(time.count() / 1000),
@@ -64,6 +66,8 @@ dds::TypeSupport type_of(TopicName topic) {
       return dds::TypeSupport(new GuardedType<idl::PlatePubSubType>());
     case TopicName::kStatus:
       return dds::TypeSupport(new GuardedType<idl::StatusPubSubType>());
+    case TopicName::kPeople:
+      return dds::TypeSupport(new GuardedType<idl::PeoplePubSubType>());
     case TopicName::kCommand:
       break;
   }
@@ -137,9 +141,10 @@ dds::DomainParticipantQos participant_qos(const LinkOptions& options, const std:
   qos.transport().listen_socket_buffer_size = options.socket_buffer_bytes;
 
   rtps::BuiltinAttributes& builtin = qos.wire_protocol().builtin;
-  // The library's lease timer asserts when a participant takes its leave in the instant in which the
-  // timer waits for the same lock (Fast DDS 2.9.1, PDP::check_remote_participant_liveliness). A timer
-  // fires once a lease for every participant, so a long lease makes this rare, not impossible.
+  // The library's lease timer asserts when a participant takes its leave in the instant in which
+  // the timer waits for the same lock (Fast DDS 2.9.1, PDP::check_remote_participant_liveliness). A
+  // timer fires once a lease for every participant, so a long lease makes this rare, not
+  // impossible.
   builtin.discovery_config.leaseDuration = duration(options.lease);
   builtin.discovery_config.leaseDuration_announcementperiod = duration(options.lease / 4);
   builtin.discovery_config.initial_announcements.count = 10;
@@ -216,6 +221,11 @@ dds::DataWriterQos writer_qos(const LinkOptions& options, TopicName topic) {
       qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
       qos.history().depth = 64;
       break;
+    case TopicName::kPeople:  // what is old is worth nothing: never sent again
+      qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
+      qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+      qos.history().depth = kPeopleKept;
+      break;
   }
   return qos;
 }
@@ -249,6 +259,11 @@ dds::DataReaderQos reader_qos(const LinkOptions& options, TopicName topic, int u
       qos.deadline().period = duration(options.status_deadline);
       qos.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
       qos.liveliness().lease_duration = duration(options.lease);
+      break;
+    case TopicName::kPeople:
+      qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
+      qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+      qos.history().depth = kPeopleKept;
       break;
     case TopicName::kCommand:
       break;

@@ -20,8 +20,8 @@ namespace touchline::wire {
 
 namespace dds = eprosima::fastdds::dds;
 
-enum class TopicName : std::uint8_t { kFrame, kPlate, kStatus, kCommand };
-inline constexpr int kTopics = 4;
+enum class TopicName : std::uint8_t { kFrame, kPlate, kStatus, kCommand, kPeople };
+inline constexpr int kTopics = 5;
 
 UnitKey unit_key(const eprosima::fastrtps::rtps::GUID_t& guid);
 UnitKey unit_key(const eprosima::fastrtps::rtps::InstanceHandle_t& handle);

@@ -113,6 +113,19 @@ idl::Command to_sample(const Reply& address, const CommandMessage& message) {
   return sample;
 }
 
+void to_sample(const PeopleMessage& message, idl::People& sample) {
+  sample.schema(kSchemaVersion);
+  sample.camera() = message.camera;
+  sample.media_time_ns(message.media_time_ns);
+  sample.domain(message.domain);
+  sample.places().resize(message.places.size());
+  for (std::size_t i = 0; i < message.places.size(); ++i) {
+    sample.places()[i].x(message.places[i].x);
+    sample.places()[i].y(message.places[i].y);
+    sample.places()[i].sd_m(message.places[i].sd_m);
+  }
+}
+
 base::Result<FrameMessage> from_sample(idl::Frame& sample) {
   if (auto ok = check_schema(sample.schema()); !ok) return base::fail(ok.error());
   FrameMessage message;
@@ -184,6 +197,19 @@ base::Result<UnitReport> from_sample(const idl::Status& sample) {
   }
   if (auto ok = check_bounds(status); !ok) return base::fail(ok.error());
   return report;
+}
+
+base::Result<PeopleMessage> from_sample(const idl::People& sample) {
+  if (auto ok = check_schema(sample.schema()); !ok) return base::fail(ok.error());
+  PeopleMessage message;
+  message.camera = sample.camera().to_string();
+  message.media_time_ns = sample.media_time_ns();
+  message.domain = sample.domain();
+  for (const idl::Place& place : sample.places()) {
+    message.places.push_back({place.x(), place.y(), place.sd_m()});
+  }
+  if (auto ok = check_bounds(message); !ok) return base::fail(ok.error());
+  return message;
 }
 
 }  // namespace touchline::wire

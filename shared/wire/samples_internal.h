@@ -18,12 +18,14 @@ void to_sample(const UnitReport& report, idl::Status& sample);
 idl::Command to_sample(const Reply& reply);
 // `address` names the unit; its kind and credit do not matter.
 idl::Command to_sample(const Reply& address, const CommandMessage& message);
+void to_sample(const PeopleMessage& message, idl::People& sample);
 
 // Take the sample's bytes. Error kUnsupported for another schema, else as check_bounds().
 base::Result<FrameMessage> from_sample(idl::Frame& sample);
 base::Result<PlateMessage> from_sample(idl::Plate& sample);
 // A sample of another schema gives a report with that schema and nothing else but the camera.
 base::Result<UnitReport> from_sample(const idl::Status& sample);
+base::Result<PeopleMessage> from_sample(const idl::People& sample);
 
 // Kinds of idl::Command below this are ReplyKind, from it on CommandKind.
 inline constexpr std::uint8_t kFirstCommandKind = 16;

@@ -207,6 +207,27 @@ TEST_F(WireTest, AHubThatGoesEndsItsUnitsWithAnError) {
   EXPECT_NE(unit->errors().find("the hub has gone"), std::string::npos) << unit->errors();
 }
 
+TEST_F(WireTest, PeopleOfOneCameraReachTheOthersAndNotItself) {
+  open_hub({"m1", "m2"});
+  auto first = EdgeLink::open(options_, {"m1"}, 1);
+  auto second = EdgeLink::open(options_, {"m2"}, 1);
+  ASSERT_TRUE(first && second);
+  const PeopleMessage of_first{"m1", 40'000'000, 2, {{10, -20, 0.2F}, {-3, 4, 0.5F}}};
+  const PeopleMessage of_second{"m2", 80'000'000, 2, {{7, 8, 0.1F}}};
+  // Nothing is sent again: said until both have heard it.
+  std::optional<PeopleMessage> at_first, at_second;
+  while (!at_first || !at_second) {
+    ASSERT_TRUE(hub_->send(of_first));
+    ASSERT_TRUE(hub_->send(of_second));
+    std::this_thread::yield();
+    if (!at_first) at_first = (*first)->take_people();
+    if (!at_second) at_second = (*second)->take_people();
+  }
+  EXPECT_EQ(*at_first, of_second);
+  EXPECT_EQ(*at_second, of_first);
+  EXPECT_FALSE(hub_->send(PeopleMessage{"m1", 0, 0, {{0, 0, -1}}}));
+}
+
 TEST_F(WireTest, AUnitUnderAnotherTagFindsNoHub) {
   open_hub({"m1"});
   LinkOptions other = options_;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace touchline::wire {
 namespace {
 
@@ -49,6 +51,25 @@ TEST(Bounds, TextsAndListsOfAStatus) {
   EXPECT_FALSE(check_bounds(message));
   message.stages.assign(1, StageRate{std::string(kMaxNameChars + 1, 's'), 1, 1});
   EXPECT_FALSE(check_bounds(message));
+}
+
+TEST(Bounds, PlacesAreNumbersNearThePitch) {
+  PeopleMessage message;
+  message.camera = "m1";
+  message.places = {{10, -20, 0.2F}};
+  EXPECT_TRUE(check_bounds(message));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Place& bad : {Place{nan, 0, 1}, Place{0, nan, 1}, Place{0, 0, nan}, Place{0, 0, 0},
+                           Place{1e6F, 0, 1}, Place{0, -1e6F, 1}, Place{0, 0, -1}}) {
+    message.places = {{10, -20, 0.2F}, bad};
+    const auto refused = check_bounds(message);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, base::ErrorKind::kFormat);
+  }
+  message.places.assign(kMaxPlaces + 1, Place{0, 0, 1});
+  const auto refused = check_bounds(message);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, base::ErrorKind::kLimit);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Random messages within the bounds of the schema.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
@@ -71,6 +72,19 @@ class RandomMessages {
     message.frames_sent = integer<std::uint64_t>();
     message.calibration = text(kMaxNameChars);
     message.text = text(kMaxTextChars);
+    return message;
+  }
+
+  PeopleMessage people() {
+    PeopleMessage message;
+    message.camera = camera();
+    message.media_time_ns = integer<std::int64_t>();
+    message.domain = byte();
+    const std::size_t places = below(kMaxPlaces + 1);
+    for (std::size_t i = 0; i < places; ++i) {
+      const auto metres = [&] { return static_cast<float>(real() * 1e-3); };
+      message.places.push_back({metres(), metres(), std::abs(metres()) + 1e-3F});
+    }
     return message;
   }
 

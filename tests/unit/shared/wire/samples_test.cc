@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "shared/wire/bounds.h"
 #include "shared/wire/samples_internal.h"
 #include "tests/unit/shared/wire/random_messages.h"
 #include "touchline_idl/touchlinePubSubTypes.h"
@@ -59,6 +60,22 @@ TEST(Samples, PlateRoundTrip) {
   }
 }
 
+TEST(Samples, PeopleRoundTrip) {
+  RandomMessages random(7);
+  for (int i = 0; i < 200; ++i) {
+    PeopleMessage message = random.people();
+    for (Place& place : message.places) place.sd_m = std::min(place.sd_m, kMostPlaceM);
+    idl::People sent;
+    to_sample(message, sent);
+    idl::People received;
+    ASSERT_TRUE(
+        deserialise<idl::PeoplePubSubType>(serialise<idl::PeoplePubSubType>(sent), received));
+    const auto back = from_sample(received);
+    ASSERT_TRUE(back) << base::to_string(back.error());
+    EXPECT_EQ(*back, message);
+  }
+}
+
 TEST(Samples, StatusRoundTripWithAndWithoutEnd) {
   RandomMessages random(3);
   for (int i = 0; i < 100; ++i) {
@@ -101,6 +118,18 @@ TEST(Samples, MutatedAndCutBytesNeverCrash) {
     idl::Status received_status;
     if (deserialise<idl::StatusPubSubType>(bytes, received_status)) {
       (void)from_sample(received_status);
+    }
+
+    idl::People people;
+    to_sample(random.people(), people);
+    bytes = serialise<idl::PeoplePubSubType>(people);
+    for (std::size_t k = 0; k < 8; ++k) {
+      bytes[4 + random.below(bytes.size() - 4)] = static_cast<std::uint8_t>(random.below(256));
+    }
+    idl::People received_people;
+    if (deserialise<idl::PeoplePubSubType>(bytes, received_people)) {
+      const auto back = from_sample(received_people);
+      EXPECT_TRUE(!back || check_bounds(*back));
     }
   }
 }
