@@ -97,11 +97,27 @@ void take_commands(wire::EdgeLink& link, FrameChain& chain) {
   }
 }
 
-void process_frames(wire::EdgeLink& link, const ChainSetup& setup, const ChainOptions& options,
-                    SurveyStills stills, runtime::Executor& executor, head::HeadSource* head,
-                    publish::TrackingOut& tracking, base::BoundedQueue<image::FramePtr>& in,
-                    base::BoundedQueue<Outgoing>& out, ChainReport& report, Trouble& trouble,
-                    std::stop_token stop) {
+// What the hub has said of people since the last frame. In a replay units are not at one frame: who
+// hears what would be chance.
+void take_people(wire::EdgeLink& link, bool live, FrameChain& chain) {
+  while (const auto message = link.take_people()) {
+    if (!live || message->domain > static_cast<std::uint8_t>(base::ClockDomain::kRecording))
+      continue;
+    PeopleSeen people{{message->camera},
+                      {message->media_time_ns},
+                      static_cast<base::ClockDomain>(message->domain),
+                      {}};
+    for (const wire::Place& place : message->places)
+      people.places.push_back({{place.x, place.y}, place.sd_m});
+    chain.hear(std::move(people));
+  }
+}
+
+void process_frames(wire::EdgeLink& link, bool live, const ChainSetup& setup,
+                    const ChainOptions& options, SurveyStills stills, runtime::Executor& executor,
+                    head::HeadSource* head, publish::TrackingOut& tracking,
+                    base::BoundedQueue<image::FramePtr>& in, base::BoundedQueue<Outgoing>& out,
+                    ChainReport& report, Trouble& trouble, std::stop_token stop) {
   auto chain = FrameChain::make(setup, options, std::move(stills.frames), &executor, head);
   if (!chain) {
     trouble.set(chain.error());
@@ -118,6 +134,7 @@ void process_frames(wire::EdgeLink& link, const ChainSetup& setup, const ChainOp
   };
   while (auto frame = in.pop(stop)) {
     take_commands(link, *chain);
+    take_people(link, live, *chain);
     if (!hand_on(chain->push(std::move(*frame)))) break;
   }
   take_commands(link, *chain);
@@ -160,7 +177,7 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
     executor = std::make_unique<runtime::InlineExecutor>();
   }
   std::jthread process_thread([&] {
-    process_frames(**link, setup, config.chain, std::move(stills), *executor, head, *tracking,
+    process_frames(**link, live, setup, config.chain, std::move(stills), *executor, head, *tracking,
                    captured, outgoing, report.chain, trouble, end.get_token());
   });
 

@@ -68,8 +68,9 @@ base::Status ChainOptions::validate() const {
     return base::out_of_bounds("plate_publish_frames", plate_publish_frames, "in 1..100000");
   }
   for (const base::Status& part :
-       {detail.validate(), burnt_in.validate(), mount.validate(), head.validate(), plate.validate(),
-        key.validate(), encode.validate(), codec.validate(), plate_tiles.validate()}) {
+       {detail.validate(), burnt_in.validate(), mount.validate(), head.validate(), peers.validate(),
+        plate.validate(), key.validate(), encode.validate(), codec.validate(),
+        plate_tiles.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -106,6 +107,7 @@ struct FrameChain::Impl {
   // Active state.
   std::optional<MountFinder> finder;
   std::optional<HeadFollower> head;
+  std::optional<PeerFollower> peers;
   std::unique_ptr<calibrate::Calibrator> calibrator;
   std::unique_ptr<compensate::Compensator> compensator;
   compensate::BurntIn graphics;
@@ -149,6 +151,17 @@ struct FrameChain::Impl {
     return estimate;
   }
 
+  // By people; they start lines and texture anew, which say it better where they can.
+  geometry::CameraEstimate by_peers(const image::Frame& frame, const geometry::Mount& mount) {
+    if (setup.kind == HeadKind::kFixed) return lost(frame);
+    geometry::CameraEstimate found = peers->find(frame, finder->pitch(), mount);
+    if (found.lost()) return lost(frame);
+    calibrator->start_from(found);
+    state::TrackResult tracked = calibrator->process(frame);
+    if (!tracked.estimate.lost()) return std::move(tracked.estimate);
+    return peers->believed(found) ? found : lost(frame);
+  }
+
   // By lines and texture; else by the head's encoders, which start the lines anew where those were
   // lost.
   geometry::CameraEstimate calibrate_frame(const image::Frame& frame,
@@ -172,8 +185,14 @@ struct FrameChain::Impl {
         if (estimate.evidence == geometry::Evidence::kLines) head->learn(mount, estimate);
       } else {
         why = ": " + tracked.report.stopped_because;
-        if (auto by_head = head->estimate(mount)) estimate = std::move(*by_head);
+        if (auto by_head = head->estimate(mount)) {
+          estimate = std::move(*by_head);
+        } else {
+          estimate = by_peers(frame, mount);
+        }
       }
+      if (!estimate.lost() && estimate.evidence != geometry::Evidence::kPeers)
+        peers->learn(frame, estimate);
       if (std::string text = head->take_note(); !text.empty()) note(std::move(text));
     }
     if (estimate.evidence != report.calibration || !calibrated_any) {
@@ -192,14 +211,17 @@ struct FrameChain::Impl {
     calibrator = finder->make_calibrator();
     if (change == MountFinder::Change::kSizes) return;
     head->forget();
+    peers->forget();
     if (const auto old = plate ? plate->snapshot() : nullptr) plate_version = old->version + 1;
     plate.reset();
   }
 
   // The plate learns from no camera that may have drifted: it would be found again in it.
   void learn_plate(const image::Frame& frame, const geometry::CameraEstimate& estimate) {
-    // Encoders are not as sure as a plate must be.
-    if (!plate || estimate.lost() || estimate.evidence == geometry::Evidence::kEncoder) return;
+    // Encoders and people are not as sure as a plate must be.
+    if (!plate || estimate.lost() || estimate.evidence == geometry::Evidence::kEncoder ||
+        estimate.evidence == geometry::Evidence::kPeers)
+      return;
     const double turned = std::hypot(estimate.covariance(0, 0), estimate.covariance(1, 1));
     if (estimate.evidence == geometry::Evidence::kPlate &&
         std::sqrt(turned) * estimate.model.fx > kPlateSdPx * frame.height() / 1080.0)
@@ -232,6 +254,7 @@ struct FrameChain::Impl {
     codec::EncodedView bare{frame.id, frame.stamp, estimate, {}};
     if (estimate.lost()) ++report.frames_lost;
     if (estimate.evidence == geometry::Evidence::kEncoder) ++report.frames_by_head;
+    if (estimate.evidence == geometry::Evidence::kPeers) ++report.frames_by_peers;
     if (estimate.lost() || snapshot == nullptr) return bare;
     state::KeyResult keyed;
     {
@@ -344,6 +367,7 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
   impl->finder.emplace(setup, options.mount, std::move(*pitch),
                        executor != nullptr ? *executor : impl->at_once);
   impl->head.emplace(head, options.head);
+  impl->peers.emplace(options.peers);
   impl->stills = std::move(stills);
   impl->report.stages = {{"compensate", 0, 0}, {"survey", 0, 0}, {"calibrate", 0, 0},
                          {"plate", 0, 0},      {"key", 0, 0},    {"encode", 0, 0}};
@@ -414,6 +438,8 @@ void FrameChain::train_key(std::string_view order) {
                      : base::fail(parsed.error());
   impl_->note(done ? std::move(*done) : base::to_string(done.error()));
 }
+
+void FrameChain::hear(PeopleSeen people) { impl_->peers->hear(std::move(people)); }
 
 ChainOutput FrameChain::finish() {
   if (!impl_->running) return impl_->release();

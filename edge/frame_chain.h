@@ -18,6 +18,7 @@
 #include "edge/head_follower.h"
 #include "edge/key/key.h"
 #include "edge/mount_finder.h"
+#include "edge/peer_follower.h"
 #include "edge/plate/plate_builder.h"
 #include "edge/stage_time.h"
 #include "edge/state/detail_model.h"
@@ -43,6 +44,7 @@ struct ChainOptions {
   compensate::BurntInOptions burnt_in;
   MountOptions mount;
   HeadOptions head;
+  PeerOptions peers;
   plate::PlateOptions plate;
   key::KeyOptions key;
   std::filesystem::path key_colours;  // where the operator's colours are kept; empty: nowhere
@@ -65,6 +67,7 @@ struct ChainReport {
   std::uint64_t frames_out = 0;
   std::uint64_t frames_lost = 0;      // without a camera estimate
   std::uint64_t frames_by_head = 0;   // by the head's encoders alone
+  std::uint64_t frames_by_peers = 0;  // by people whom other cameras see, alone
   std::uint64_t encode_failures = 0;  // frames or plate tiles that no codec took
   geometry::Evidence calibration = geometry::Evidence::kLost;  // of the latest frame
   state::DetailModel detail;
@@ -110,6 +113,8 @@ class FrameChain {
   // What the operator says of the key's colours, from the next frame on (key/training_order.h has
   // the words). What came of it is a note of the next output.
   void train_key(std::string_view order);
+  // People whom another camera sees, as the hub tells; for frames that cannot be solved otherwise.
+  void hear(PeopleSeen people);
   // No more frames: what is held, and the tiles of the final plate.
   ChainOutput finish();
 

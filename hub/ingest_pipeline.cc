@@ -14,6 +14,7 @@
 
 #include "hub/command/control_socket.h"
 #include "hub/command/order.h"
+#include "hub/people_news.h"
 #include "hub/receive/receive.h"
 #include "hub/session/session_writer.h"
 #include "hub/synchronise/synchroniser.h"
@@ -34,8 +35,11 @@ struct UnitState {
 // The loop's state. The join timer looks at it from its own thread, under the mutex.
 class Ingest {
  public:
-  Ingest(const HubConfig& config, session::SessionWriter& writer, const IngestOptions& options)
+  // `news`: null where units are told nothing of people.
+  Ingest(const HubConfig& config, session::SessionWriter& writer, const IngestOptions& options,
+         PeopleNews* news)
       : options_(options),
+        news_(news),
         live_(config.link.mode == wire::Mode::kLive),
         writer_(writer),
         synchroniser_(ids(config), sync_options(config)) {
@@ -161,6 +165,7 @@ class Ingest {
     if (view->estimate.lost()) ++camera->frames_lost_track;
     for (const codec::EncodedPart& part : view->parts) camera->bytes += part.bytes.size();
     if (options_.progress) options_.progress(report_);
+    if (news_ != nullptr) news_->see(*view);
     // The session has the parts; who was there needs none, and a camera may run far ahead of
     // another.
     view->parts.clear();
@@ -254,6 +259,7 @@ class Ingest {
   }
 
   const IngestOptions& options_;
+  PeopleNews* const news_;
   const bool live_;
   session::SessionWriter& writer_;
   synchronise::Synchroniser synchroniser_;
@@ -303,7 +309,18 @@ base::Result<IngestReport> ingest(const HubConfig& config,
     if (control) control->serve([&](const std::string& line) { return answer(**link, line); }, end);
   });
 
-  Ingest state(config, *writer, options);
+  // A replay comes out the same each time: what units are told may not hang on who is how far.
+  std::optional<PeopleNews> news;
+  if (config.link.mode == wire::Mode::kLive) {
+    auto pitch = pitch::make_pitch(config.info.sport, config.info.sizes);
+    if (!pitch) return base::fail(pitch.error());
+    news.emplace(std::move(*pitch), [&](const wire::PeopleMessage& people) {
+      if (base::Status sent = (*link)->send(people); !sent)
+        base::log_warning(base::to_string(sent.error()));
+    });
+  }
+
+  Ingest state(config, *writer, options, news ? &*news : nullptr);
   std::mutex mutex;
   std::condition_variable_any joined;
   const bool replay = config.link.mode == wire::Mode::kReplay;

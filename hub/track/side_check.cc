@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "hub/track/standing.h"
 #include "hub/track/standing_internal.h"
 #include "shared/base/bounds.h"
 
@@ -67,7 +68,8 @@ class SideCheck::Impl {
     std::vector<std::vector<Eigen::Vector3d>> places;
     for (const codec::CameraView& view : views) {
       static_cast<void>(index_of(view.id.camera));
-      places.push_back(feet(view, pitch_));
+      std::vector<Eigen::Vector3d>& feet = places.emplace_back();
+      for (const Standing& one : standing(view, pitch_)) feet.push_back(one.at);
     }
     for (std::size_t a = 0; a < views.size(); ++a) {
       for (std::size_t b = 0; b < views.size(); ++b) {

@@ -1,3 +1,5 @@
+#include "hub/track/standing.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@ namespace {
 
 constexpr std::uint8_t kForeground = 128;
 constexpr int kLeastPixels = 24;      // smaller silhouettes are noise, or the ball
+constexpr double kFootSd = 2;         // pixels
 constexpr double kLeastHeight = 0.9;  // metres, crouching
 constexpr double kMostHeight = 2.7;   // with an arm raised; taller ones are several people
 constexpr double kBeyond = 3;         // metres outside the lines
@@ -77,8 +80,8 @@ std::vector<Silhouette> silhouettes(const image::Matte& matte) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> feet(const codec::CameraView& view, const pitch::PitchModel& pitch) {
-  std::vector<Eigen::Vector3d> out;
+std::vector<Standing> standing(const codec::CameraView& view, const pitch::PitchModel& pitch) {
+  std::vector<Standing> out;
   if (!view.matte || view.estimate.lost()) return out;
   const geometry::CameraEstimate& camera = view.estimate;
   const Eigen::Vector3d eye = geometry::position_in_world(camera);
@@ -86,9 +89,12 @@ std::vector<Eigen::Vector3d> feet(const codec::CameraView& view, const pitch::Pi
     // What the picture's edge or the matte's region cuts has its feet elsewhere.
     if (s.bottom >= camera.model.height - 2 || s.left <= 0 || s.right >= camera.model.width - 1)
       continue;
-    const auto place = pitch::intersect_turf(
-        pitch, eye, geometry::ray_in_world(camera, {s.foot_x, s.bottom + 0.5}));
-    if (!place) continue;
+    const auto turf_at = [&](double y) {
+      return pitch::intersect_turf(pitch, eye, geometry::ray_in_world(camera, {s.foot_x, y}));
+    };
+    const auto place = turf_at(s.bottom + 0.5);
+    const auto nearer = turf_at(s.bottom + 0.5 + kFootSd);
+    if (!place || !nearer) continue;
     if (std::abs(place->x()) > pitch.length_m / 2 + kBeyond ||
         std::abs(place->y()) > pitch.width_m / 2 + kBeyond) {
       continue;
@@ -99,7 +105,7 @@ std::vector<Eigen::Vector3d> feet(const codec::CameraView& view, const pitch::Pi
     if (px_per_m <= 0) continue;
     const double height = (s.bottom + 1 - s.top) / px_per_m;
     if (height < kLeastHeight || height > kMostHeight) continue;
-    out.push_back(*place);
+    out.push_back({*place, (*nearer - *place).norm()});
   }
   return out;
 }
