@@ -1,23 +1,26 @@
 #include "edge/key/alike.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "edge/key/runs.h"
+#include "edge/key/worn_colours.h"
 
 namespace touchline::key {
 namespace {
 
-constexpr double kLeastBody = 0.04;  // square metres of a body that may have parts unseen
-constexpr double kLeastScale = 20;   // pixels a metre where the turf is not in sight
-constexpr double kWornShare = 0.05;  // of a person's sure pixels, for a colour he wears
-constexpr int kLeastSure = 12;       // sure pixels that tell a person's colours
-constexpr int kLumaBits = 5;         // code values of a step of the palette: 32
-constexpr int kChromaBits = 5;       // 32
-constexpr int kLumaSteps = 1024 >> kLumaBits;
-constexpr int kChromaSteps = 1024 >> kChromaBits;
+constexpr double kLeastBody = 0.04;      // square metres of a body that may have parts unseen
+constexpr double kLeastScale = 20;       // pixels a metre where the turf is not in sight
+constexpr double kWornShare = 0.05;      // of a person's sure pixels, for a colour he wears
+constexpr float kStraightStep = 0.955f;  // of OpenCV's 3x3 distance, along a row
+constexpr int kLeastSure = 12;           // sure pixels that tell a person's colours
 
 struct Body {
   int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
@@ -50,104 +53,68 @@ std::vector<Body> find(const image::Image<std::uint8_t>& bodies, const CellMask&
   return all;
 }
 
-// A colour's place in the palette.
-using Place = std::uint16_t;
-static_assert(kLumaSteps * kChromaSteps * kChromaSteps <= 1 << 16);
-static_assert(kLumaSteps == kChromaSteps && kLumaBits == kChromaBits);
+using Bytes = const std::uint8_t*;
 
-// The places of pixels [x0, x1) of a row.
-class PlaceRow {
+__m128i load(Bytes from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); }
+
+// A bit for each of 16 pixels from x on, of those before `end`.
+template <typename Vector, typename Plain>
+unsigned bits_of(int x, int end, const Vector& vector, const Plain& plain) {
+  if (x + 16 <= end) return static_cast<unsigned>(_mm_movemask_epi8(vector(x)));
+  unsigned bits = 0;
+  for (int k = 0; x + k < end; ++k) bits |= (plain(x + k) ? 1U : 0U) << k;
+  return bits;
+}
+
+// The colours of a frame's pixels.
+class FrameColours {
  public:
-  explicit PlaceRow(const image::Frame& frame)
-      : frame_(frame),
-        shift_(image::chroma_shift(frame.format)),
-        chroma_(static_cast<std::size_t>(frame.width()) + 2),
-        places_(static_cast<std::size_t>(frame.width()) + 2) {}
-  void run(int y, int x0, int x1) {
+  explicit FrameColours(const image::Frame& frame)
+      : frame_(frame), shift_(image::chroma_shift(frame.format)) {}
+  ColourPlace place(int x, int y) const {
+    return colour_place(frame_.planes[0](x, y), frame_.planes[1](x >> shift_.x, y >> shift_.y),
+                        frame_.planes[2](x >> shift_.x, y >> shift_.y));
+  }
+  // Calls `found` with the pixels [x0, x1) of a row whose colour is worn, left to right.
+  template <typename Found>
+  void each_worn(const WornColours& colours, int y, int x0, int x1, const Found& found) const {
     const std::uint16_t* luma = frame_.planes[0].row(y);
     const std::uint16_t* cb = frame_.planes[1].row(y >> shift_.y);
     const std::uint16_t* cr = frame_.planes[2].row(y >> shift_.y);
-    Place* __restrict chroma = chroma_.data();
-    Place* __restrict out = places_.data();
-    const int c1 = (x1 - 1) >> shift_.x;
-    for (int c = x0 >> shift_.x; c <= c1; ++c)
-      chroma[c] = static_cast<Place>(step(cb[c]) * kLumaSteps + step(cr[c]));
-    const auto of_luma = [luma](int x) {
-      return static_cast<Place>(step(luma[x]) * (kLumaSteps * kLumaSteps));
-    };
-    if (shift_.x == 0) {
-      for (int x = x0; x < x1; ++x) out[x] = static_cast<Place>(of_luma(x) + chroma[x]);
-      return;
+    const auto& worn = colours.worn();
+    const int c1 = ((x1 - 1) >> shift_.x) + 1;
+    const __m128i low = _mm_set1_epi16(kPlaceSteps - 1);
+    for (int c = x0 >> shift_.x; c < c1;) {
+      // Of most colours none of any luma is worn.
+      if (c + kLanes <= c1) {
+        const auto steps = [&](const std::uint16_t* row) {
+          const __m128i codes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row + c));
+          return _mm_and_si128(_mm_srli_epi16(codes, kPlaceBits), low);
+        };
+        const __m256i at =
+            _mm256_cvtepu16_epi32(_mm_or_si128(_mm_slli_epi16(steps(cb), kPlaceBits), steps(cr)));
+        const __m256i any =
+            _mm256_i32gather_epi32(reinterpret_cast<const int*>(worn.data()), at, 4);
+        if (_mm256_testz_si256(any, any) != 0) {
+          c += kLanes;
+          continue;
+        }
+      }
+      const int end = std::min(c1, c + kLanes);
+      for (; c < end; ++c) {
+        const std::uint32_t lumas = worn[chroma_place(cb[c], cr[c])];
+        if (lumas == 0) continue;
+        const int last = std::min(x1, (c + 1) << shift_.x);
+        for (int x = std::max(x0, c << shift_.x); x < last; ++x)
+          if ((lumas >> place_step(luma[x]) & 1U) != 0) found(x);
+      }
     }
-    int x = x0;
-    if (x % 2 != 0) {
-      out[x] = static_cast<Place>(of_luma(x) + chroma[x >> 1]);
-      ++x;
-    }
-    for (; x + 1 < x1; x += 2) {
-      const Place both = chroma[x >> 1];
-      out[x] = static_cast<Place>(of_luma(x) + both);
-      out[x + 1] = static_cast<Place>(of_luma(x + 1) + both);
-    }
-    if (x < x1) out[x] = static_cast<Place>(of_luma(x) + chroma[x >> 1]);
   }
-  Place operator[](int x) const { return places_[static_cast<std::size_t>(x)]; }
 
  private:
-  static int step(int code) { return code >> kLumaBits & (kLumaSteps - 1); }
-
+  static constexpr int kLanes = 8;
   const image::Frame& frame_;
   image::ChromaShift shift_;
-  std::vector<Place> chroma_, places_;
-};
-
-// How many of a person's sure pixels have nearly a colour.
-class Palette {
- public:
-  Palette()
-      : count_(static_cast<std::size_t>(kLumaSteps) * kChromaSteps * kChromaSteps, 0),
-        near_(count_.size(), 0),
-        worn_(count_.size(), 0) {}
-  void clear() {
-    for (const std::size_t n : used_) count_[n] = 0;
-    for (const std::size_t n : touched_) near_[n] = worn_[n] = 0;
-    used_.clear();
-    touched_.clear();
-    total_ = 0;
-  }
-  void add(Place place) {
-    const std::size_t n = place;
-    if (count_[n]++ == 0) used_.push_back(n);
-    ++total_;
-  }
-  void finish() {
-    for (const std::size_t n : used_) {
-      const int r = static_cast<int>(n % kChromaSteps);
-      const int b = static_cast<int>(n / kChromaSteps % kChromaSteps);
-      const int y = static_cast<int>(n / kChromaSteps / kChromaSteps);
-      for (int v = std::max(0, y - 1); v <= std::min(kLumaSteps - 1, y + 1); ++v)
-        for (int u = std::max(0, b - 1); u <= std::min(kChromaSteps - 1, b + 1); ++u)
-          for (int w = std::max(0, r - 1); w <= std::min(kChromaSteps - 1, r + 1); ++w) {
-            const std::size_t m = index(v, u, w);
-            if (near_[m] == 0) touched_.push_back(m);
-            near_[m] += count_[n];
-          }
-    }
-    for (const std::size_t m : touched_) worn_[m] = near_[m] >= kWornShare * total_;
-  }
-  int total() const { return total_; }
-  bool worn(Place place) const { return worn_[place] != 0; }
-
- private:
-  static std::size_t index(int y, int cb, int cr) {
-    return (static_cast<std::size_t>(y) * kChromaSteps + static_cast<std::size_t>(cb)) *
-               kChromaSteps +
-           static_cast<std::size_t>(cr);
-  }
-  std::vector<int> count_, near_;
-  std::vector<std::uint8_t> worn_;
-  std::vector<std::size_t> used_, touched_;
-  int total_ = 0;
 };
 
 }  // namespace
@@ -161,24 +128,36 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
   const auto strong =
       static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
-  PlaceRow row(frame);
+  const FrameColours pixels(frame);
   // The colours of the sure pixels of each body, or of what else its box holds.
-  std::vector<std::vector<Place>> colours(all.size());
+  std::vector<std::vector<ColourPlace>> colours(all.size());
   std::vector<bool> looked_at(all.size(), false);
-  const auto colours_of = [&](std::size_t which) -> const std::vector<Place>& {
+  const auto colours_of = [&](std::size_t which) -> const std::vector<ColourPlace>& {
     if (looked_at[which]) return colours[which];
     looked_at[which] = true;
     const Body& body = all[which];
+    const int end = body.right + 1;
+    const __m128i full = _mm_set1_epi8(-1);
+    const __m128i least = _mm_set1_epi8(static_cast<char>(strong));
     for (int y = body.top; y <= body.bottom; ++y) {
-      row.run(y, body.left, body.right + 1);
-      const std::uint8_t* cover = alpha.row(y);
-      const std::uint8_t* distance = difference.distance.row(y);
-      for (int x = body.left; x <= body.right; ++x)
-        if (cover[x] == 255 && distance[x] >= strong) colours[which].push_back(row[x]);
+      Bytes cover = alpha.row(y);
+      Bytes distance = difference.distance.row(y);
+      for (int x = body.left; x < end; x += 16) {
+        unsigned sure = bits_of(
+            x, end,
+            [&](int at) {
+              const __m128i far = load(distance + at);
+              return _mm_and_si128(_mm_cmpeq_epi8(load(cover + at), full),
+                                   _mm_cmpeq_epi8(_mm_max_epu8(far, least), far));
+            },
+            [&](int at) { return cover[at] == 255 && distance[at] >= strong; });
+        for (; sure != 0; sure &= sure - 1)
+          colours[which].push_back(pixels.place(x + std::countr_zero(sure), y));
+      }
     }
     return colours[which];
   };
-  Palette palette;
+  WornColours palette(kWornShare);
   cv::Mat away;
   std::vector<cv::Point> found;
   for (const Body& body : all) {
@@ -187,7 +166,7 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     palette.clear();
     for (std::size_t other = 0; other < all.size(); ++other) {
       if (!body.near(all[other])) continue;
-      for (const Place place : colours_of(other)) palette.add(place);
+      for (const ColourPlace place : colours_of(other)) palette.add(place);
     }
     if (palette.total() < kLeastSure) continue;
     palette.finish();
@@ -197,21 +176,38 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     const int y0 = std::max(0, body.top - body.reach);
     const int y1 = std::min(bodies.height(), body.bottom + body.reach + 1);
     found.clear();
+    const int beside = static_cast<int>(static_cast<float>(body.reach) / kStraightStep);
     for (int y = y0; y < y1; ++y) {
-      row.run(y, x0, x1);
-      const std::uint8_t* cover = alpha.row(y);
-      const std::uint8_t* distance = difference.distance.row(y);
-      for (int x = x0; x < x1; ++x)
-        if (cover[x] == 0 && distance[x] < weak && palette.worn(row[x])) found.emplace_back(x, y);
+      Bytes cover = alpha.row(y);
+      Bytes distance = difference.distance.row(y);
+      Bytes of_bodies = bodies.row(y);
+      std::uint8_t* hidden = unknown.row(y);
+      pixels.each_worn(palette, y, x0, x1, [&](int x) {
+        if (cover[x] != 0 || distance[x] >= weak) return;
+        // Most are beside a body.
+        const int left = std::max(x0, x - beside);
+        const auto n = static_cast<std::size_t>(std::min(x1, x + beside + 1) - left);
+        if (std::memchr(of_bodies + left, 1, n) != nullptr)
+          hidden[x] = 255;
+        else
+          found.emplace_back(x, y);
+      });
     }
     if (found.empty()) continue;
-    cv::Mat outside(y1 - y0, x1 - x0, CV_8U);
-    for (int y = y0; y < y1; ++y)
-      std::transform(bodies.row(y) + x0, bodies.row(y) + x1, outside.ptr<std::uint8_t>(y - y0),
+    // Of the others' surroundings only what is within their reach can matter.
+    const cv::Rect parts = cv::boundingRect(found);
+    const cv::Rect reached = cv::Rect(parts.x - body.reach, parts.y - body.reach,
+                                      parts.width + 2 * body.reach, parts.height + 2 * body.reach) &
+                             cv::Rect(x0, y0, x1 - x0, y1 - y0);
+    cv::Mat outside(reached.size(), CV_8U);
+    for (int y = 0; y < reached.height; ++y) {
+      Bytes from = bodies.row(reached.y + y) + reached.x;
+      std::transform(from, from + reached.width, outside.ptr<std::uint8_t>(y),
                      [](std::uint8_t b) { return std::uint8_t{b == 0}; });
+    }
     cv::distanceTransform(outside, away, cv::DIST_L2, 3);
     for (const auto& p : found)
-      if (away.at<float>(p.y - y0, p.x - x0) <= static_cast<float>(body.reach))
+      if (away.at<float>(p.y - reached.y, p.x - reached.x) <= static_cast<float>(body.reach))
         unknown(p.x, p.y) = 255;
   }
 }

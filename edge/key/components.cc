@@ -44,12 +44,13 @@ constexpr double kSmallHole = 0.06;   // metres: holes up to this square are clo
 // Pixels beyond the weak distance after light smoothing, and not much weaker than the strongest
 // round them: the fringe that compression and the lens leave round a body is no body.
 void candidates(const Difference& difference, const image::Image<std::uint8_t>& peak,
-                std::uint8_t weak, image::Image<std::uint8_t>& out) {
+                std::uint8_t weak, CellImage<std::uint8_t>& cells) {
   const auto& distance = difference.distance;
   const int w = distance.width();
   const int h = distance.height();
-  reset(out, w, h, std::uint8_t{0});
-  if (w < 3 || h < 3) return;
+  cells.start(w, h, difference.active);
+  if (w < 3 || h < 3) return cells.clear();
+  image::Image<std::uint8_t>& out = cells.image;
   for (int j = 0; j < difference.active.rows; ++j)
     for (const Span& span : spans(difference.active, j, w))
       for (int y = j * kCell; y < std::min(h, (j + 1) * kCell); ++y) {
@@ -176,8 +177,8 @@ void close_holes(const Difference& difference, const FrameGrid& grid, const KeyO
 bool find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
                  const FrameGrid& grid, const geometry::CameraEstimate& camera,
                  const pitch::PitchModel& pitch, const KeyOptions& options,
-                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& hidden,
-                 image::Image<std::uint8_t>& bodies) {
+                 CellImage<std::uint8_t>& scratch, image::Image<std::uint8_t>& hidden,
+                 CellImage<std::uint8_t>& body_cells) {
   const int width = difference.distance.width();
   const int height = difference.distance.height();
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
@@ -188,13 +189,13 @@ bool find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
       255.0, std::max(options.weak_sigma, kFairShare * options.strong_sigma) * kDistanceScale));
   candidates(difference, peak, weak, scratch);
   const auto components = [&] {
-    auto found = connect(scratch, 1, difference.active, true);
+    auto found = connect(scratch.image, 1, difference.active, true);
     for (std::size_t i = 0; i < found.size(); ++i)
       found[i].parent = root(found, static_cast<int>(i));
     return found;
   };
   auto runs = components();
-  const bool boards = take_boards(runs, grid, camera, pitch, scratch, hidden);
+  const bool boards = take_boards(runs, grid, camera, pitch, scratch.image, hidden);
   if (boards) runs = components();
   std::vector<Blob> blobs(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -236,7 +237,9 @@ bool find_bodies(const Difference& difference, const image::Image<std::uint8_t>&
                                    options.margin_m, kJump);
   }
 
-  reset(bodies, width, height, std::uint8_t{0});
+  body_cells.start(width, height, difference.active);
+  body_cells.clear();
+  image::Image<std::uint8_t>& bodies = body_cells.image;
   for (const auto& run : runs) {
     const Blob& b = blobs[static_cast<std::size_t>(run.parent)];
     if (b.keep && !b.doubtful)

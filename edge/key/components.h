@@ -20,7 +20,7 @@ namespace touchline::key {
 bool find_bodies(const Difference& difference, const image::Image<std::uint8_t>& peak,
                  const FrameGrid& grid, const geometry::CameraEstimate& camera,
                  const pitch::PitchModel& pitch, const KeyOptions& options,
-                 image::Image<std::uint8_t>& scratch, image::Image<std::uint8_t>& hidden,
-                 image::Image<std::uint8_t>& bodies);
+                 CellImage<std::uint8_t>& scratch, image::Image<std::uint8_t>& hidden,
+                 CellImage<std::uint8_t>& bodies);
 
 }  // namespace touchline::key

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -19,16 +18,9 @@ constexpr float kEdgeRange = 80;      // code values in 3x3 pixels of the plate 
 constexpr float kRangeShare = 0.1f;   // of that range, by which a plate is blurred or displaced
 constexpr float kHaloShare = 0.03f;   // of that range, by which a pixel leaves the plate's extremes
 constexpr float kLeastGrass = 0.25f;  // of the turf's chroma, that the plate's must have
-constexpr float kDarkestGrass = 0.3f;  // of the turf's luma
-constexpr float kLitAgain = 1.1f;      // luma of turf out of a shadow over that of turf round it
-constexpr float kCoarseShare = 0.8f;   // of the weak distance, for a sample of the first look
-constexpr float kChanging = 20;        // deviation of luma of what keeps changing, code values
-constexpr float kCoarseFair = 0.5f;    // of the strong distance, that makes such a sample sure
-constexpr int kCoarseRows = 3;         // rows from one that is looked at to the next
-constexpr int kCoarseGrowth = 4;       // cells from a sure one to one that is perhaps part of it
-constexpr int kCoarseCount = 2;        // samples of a cell beyond it
-constexpr float kCoarseRangeShare = 0.15f;  // as kRangeShare, of four by four samples
-constexpr float kNoTurfDeviation = 24;      // code values, where turf's colour is all there is
+constexpr float kDarkestGrass = 0.3f;   // of the turf's luma
+constexpr float kChanging = 20;         // deviation of luma of what keeps changing, code values
+constexpr float kNoTurfDeviation = 24;  // code values, where turf's colour is all there is
 
 // Luma over the plate's that turf may have where the plate holds a shadow.
 __m256 brightest(const Light& light, float lit, const Colours& b, const Expected& turf) {
@@ -102,51 +94,16 @@ void store_bytes(__m128i bytes, int n, std::uint8_t* to) {
   std::copy_n(all_bytes.begin(), n, to);
 }
 
-// What the samples of a cell say: how many may differ from the plate, or the plate misses; and
-// whether one differs as the core of a body does.
-struct FirstLook {
-  int unlike = 0;
-  bool sure = false;
-};
-
-void look(const image::Frame& frame, const image::ChromaShift& shift, const PlateSamples& plate,
-          int x, int y, float lit, const Light& light, const Noise& noise, float bound, float sure,
-          FirstLook& out) {
-  const auto every_second = [](const std::uint16_t* from) {
-    const __m256i both = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-    return _mm256_cvtepi32_ps(_mm256_and_si256(both, _mm256_set1_epi32(0xffff)));
-  };
-  const auto chroma = [&](std::size_t which) {
-    const auto& plane = frame.planes[which];
-    const std::uint16_t* row = plane.row(std::min(y >> shift.y, plane.height() - 1));
-    const std::uint16_t* from = row + (x >> shift.x);
-    return minus(shift.x ? floats(words_at(from)) : every_second(from), all(512.f));
-  };
-  const auto sampled = [](const std::array<std::uint16_t, 8>& values) {
-    return words_at(values.data());
-  };
-  const Colours p{minus(every_second(frame.planes[0].row(y) + x), all(64.f)), chroma(1), chroma(2)};
-  const Colours b{codes(sampled(plate.y), 64.f), codes(sampled(plate.cb), 512.f),
-                  codes(sampled(plate.cr), 512.f)};
-  const __m256 again = _mm256_div_ps(all(kLitAgain * lit), _mm256_max_ps(b.y, all(8.f)));
-  const __m256 high = _mm256_max_ps(all(light.high), _mm256_min_ps(again, all(2.f)));
-  const Weights w = weights(noise, b, codes(sampled(plate.luma_deviation), 0.f),
-                            codes(sampled(plate.chroma_deviation), 0.f),
-                            times(floats(sampled(plate.range)), all(kCoarseRangeShare * 0.0625f)));
-  const __m256 d = residual(p, b, w, light, high);
-  const __m256 missing = _mm256_cmp_ps(b.y, all(-64.f), _CMP_EQ_OQ);
-  const auto count = [&](float beyond) {
-    const int lanes = _mm256_movemask_ps(_mm256_or_ps(greater(d, all(beyond)), missing));
-    return std::popcount(static_cast<unsigned>(lanes));
-  };
-  out.unlike += count(bound);
-  out.sure = out.sure || count(sure) > 0;
-}
-
 }  // namespace
 
-void local_peak(const Difference& difference, image::Image<std::uint8_t>& across,
-                image::Image<std::uint8_t>& out) {
+void Difference::start(int width, int height, const CellMask& cells) {
+  for (auto* image : {&edge, &changing, &distance, &known})
+    restart(*image, width, height, active, cells, std::uint8_t{0});
+  active = cells;
+}
+
+void local_peak(const Difference& difference, CellImage<std::uint8_t>& across_cells,
+                CellImage<std::uint8_t>& out_cells) {
   const image::Image<std::uint8_t>& values = difference.distance;
   const CellMask& cells = difference.active;
   constexpr int reach = kPeakReach;
@@ -154,8 +111,10 @@ void local_peak(const Difference& difference, image::Image<std::uint8_t>& across
   static_assert(kCell % kBytes == 0);
   const int w = values.width();
   const int h = values.height();
-  reset(across, w, h, std::uint8_t{0});
-  reset(out, w, h, std::uint8_t{0});
+  across_cells.start(w, h, cells);
+  out_cells.start(w, h, cells);
+  image::Image<std::uint8_t>& across = across_cells.image;
+  image::Image<std::uint8_t>& out = out_cells.image;
   const auto load = [](const std::uint8_t* from) {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
   };
@@ -190,8 +149,10 @@ void local_peak(const Difference& difference, image::Image<std::uint8_t>& across
             _mm_storeu_si128(reinterpret_cast<__m128i*>(to + x), most);
             continue;
           }
-          for (int i = x; i < span.end; ++i)
-            for (int v = first; v <= last; ++v) to[i] = std::max(to[i], across(i, v));
+          for (int i = x; i < span.end; ++i) {
+            to[i] = across(i, first);
+            for (int v = first + 1; v <= last; ++v) to[i] = std::max(to[i], across(i, v));
+          }
         }
       }
 }
@@ -217,72 +178,12 @@ Expected turf_colour(const image::Frame& frame, const FrameGrid& grid) {
   return {middle(0) - 64, middle(1) - 512, middle(2) - 512};
 }
 
-CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
-                     const SceneLight& scene, const KeyOptions& options) {
-  const int width = frame.width();
-  const int height = frame.height();
-  const Light elsewhere = light_elsewhere(scene);
-  if (warper.empty()) return grid.volume;
-  const auto shift = image::chroma_shift(frame.format);
-  const Light on_turf = light_on_turf(options, scene);
-  const Noise noise = noise_of(options);
-  const Noise turf_noise =
-      noise_on_turf(options, scene, warper.turf_luma_deviation(), warper.turf_chroma_deviation());
-  const float bound = static_cast<float>(std::pow(kCoarseShare * options.weak_sigma, 2));
-  const float sure =
-      static_cast<float>(std::pow(kCoarseShare * kCoarseFair * options.strong_sigma, 2));
-  CellMask maybe(width, height);
-  CellMask hit(width, height);
-  PlateSamples samples;
-  std::vector<FirstLook> looks(static_cast<std::size_t>(hit.columns));
-  for (int j = 0; j < hit.rows; ++j) {
-    std::fill(looks.begin(), looks.end(), FirstLook{});
-    for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); y += kCoarseRows)
-      for (int i = 0; i < hit.columns; ++i) {
-        FirstLook& seen = looks[static_cast<std::size_t>(i)];
-        const int x = i * kCell;
-        if (seen.sure || !grid.volume.at(i, j) || x + kCell > width) continue;
-        if (y + kCoarseRows < height) {
-          const auto ahead = [&](std::size_t c, int nx, int ny) {
-            _mm_prefetch(reinterpret_cast<const char*>(frame.planes[c].row(ny) + nx), _MM_HINT_T0);
-          };
-          const int ny = y + kCoarseRows;
-          ahead(0, x, ny);
-          ahead(1, x >> shift.x, ny >> shift.y);
-          ahead(2, x >> shift.x, ny >> shift.y);
-        }
-        const bool turf = grid.turf.at(i, j);
-        warper.sample(x, y, 2, samples);
-        look(frame, shift, samples, x, y, turf ? warper.turf_luma(i, j) : 0.f,
-             turf ? on_turf : elsewhere, turf ? turf_noise : noise, bound, sure, seen);
-      }
-    for (int i = 0; i < hit.columns; ++i) {
-      const FirstLook& seen = looks[static_cast<std::size_t>(i)];
-      hit(i, j) = grid.volume.at(i, j) && (seen.sure || (i + 1) * kCell > width);
-      maybe(i, j) = seen.unlike >= kCoarseCount;
-    }
-  }
-  // What a body has of little difference is near what it has of much.
-  for (int k = 0; k < kCoarseGrowth; ++k) {
-    const CellMask wide = hit.grown();
-    for (std::size_t n = 0; n < hit.on.size(); ++n)
-      hit.on[n] = hit.on[n] || (wide.on[n] && maybe.on[n]);
-  }
-  CellMask out = hit.grown();
-  for (std::size_t n = 0; n < out.on.size(); ++n) out.on[n] = out.on[n] && grid.volume.on[n];
-  return out;
-}
-
 void difference(const image::Frame& frame, const CellMask& active, PlateWarper& warper,
                 const FrameGrid& grid, const Expected& turf, const SceneLight& scene,
                 const KeyOptions& options, WarpedPlate& plate, Difference& out) {
   const int width = frame.width();
   const int height = frame.height();
-  out.active = active;
-  reset(out.distance, width, height, std::uint8_t{0});
-  reset(out.known, width, height, std::uint8_t{0});
-  reset(out.edge, width, height, std::uint8_t{0});
-  reset(out.changing, width, height, std::uint8_t{0});
+  out.start(width, height, active);
 
   const Light on_grass = light_on_turf(options, scene);
   const Light elsewhere = light_elsewhere(scene);

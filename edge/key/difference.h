@@ -8,6 +8,7 @@
 #include "edge/key/plate_warp.h"
 #include "edge/key/scene_light.h"
 #include "edge/key/volume.h"
+#include "edge/key/workspace.h"
 #include "shared/image/frame.h"
 
 namespace touchline::key {
@@ -32,13 +33,10 @@ struct Difference {
   image::Image<std::uint8_t> distance;  // in kDistanceScale, saturating; 0 outside the volume
   image::Image<std::uint8_t>
       known;  // 1 = plate, 2 = turf colour alone, 0 = nothing to compare with
-};
 
-// The cells in which something may differ from the plate, with their neighbours: every second pixel
-// of every third row is looked at. Cells in which the plate misses something count as well. The
-// others show the plate and nothing else.
-CellMask find_active(const image::Frame& frame, PlateWarper& warper, const FrameGrid& grid,
-                     const SceneLight& scene, const KeyOptions& options);
+  // Makes these cells the active ones, whose values are then to be written.
+  void start(int width, int height, const CellMask& cells);
+};
 
 // A pixel against its background: the least distance to the background under any light allowed
 // (from the darkest shadow to the brightest turf, on turf; elsewhere as it is; both moved with
@@ -52,7 +50,7 @@ void difference(const image::Frame& frame, const CellMask& active, PlateWarper& 
 
 // The strongest difference within kPeakReach pixels, a square; in the active cells, 0 elsewhere.
 // `across` is scratch.
-void local_peak(const Difference& difference, image::Image<std::uint8_t>& across,
-                image::Image<std::uint8_t>& out);
+void local_peak(const Difference& difference, CellImage<std::uint8_t>& across,
+                CellImage<std::uint8_t>& out);
 
 }  // namespace touchline::key

@@ -1,8 +1,11 @@
 #include "edge/key/key.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
+#include "edge/key/active_cells.h"
 #include "edge/key/alike.h"
 #include "edge/key/colour_classifier.h"
 #include "edge/key/components.h"
@@ -32,24 +35,81 @@ KeyOptions bounded(KeyOptions o) {
 }
 
 struct Counts {
-  unsigned no_plate = 0;
-  unsigned foreground = 0;
+  std::size_t no_plate = 0;
+  std::size_t foreground = 0;
+  std::size_t unknown = 0;
 };
 
-// Of at most kCell pixels; hides those with nothing to compare with. Bytes alone, so that the loop
-// runs in lanes.
-Counts count_row(const std::uint8_t* alpha, const std::uint8_t* known, int n,
-                 std::uint8_t* hidden) {
-  static_assert(kCell < 256);
-  std::uint8_t no_plate = 0;
-  std::uint8_t foreground = 0;
-  for (int x = 0; x < n; ++x) {
-    const auto nothing = static_cast<std::uint8_t>(known[x] == 0 ? 255 : 0);
-    hidden[x] = static_cast<std::uint8_t>(hidden[x] | nothing);
-    no_plate = static_cast<std::uint8_t>(no_plate + (known[x] != 1 ? 1 : 0));
-    foreground = static_cast<std::uint8_t>(foreground + (alpha[x] >> 7));
+// Bytes alone, so that the loops run in lanes.
+constexpr int kStretch = 240;
+
+// Hides the pixels with nothing to compare with.
+void count_row(const std::uint8_t* alpha, const std::uint8_t* known, int width,
+               std::uint8_t* hidden, Counts& counts) {
+  static_assert(kStretch < 256);
+  for (int begin = 0; begin < width; begin += kStretch) {
+    const int end = std::min(width, begin + kStretch);
+    std::uint8_t no_plate = 0;
+    std::uint8_t foreground = 0;
+    for (int x = begin; x < end; ++x) {
+      const auto nothing = static_cast<std::uint8_t>(known[x] == 0 ? 255 : 0);
+      hidden[x] = static_cast<std::uint8_t>(hidden[x] | nothing);
+      no_plate = static_cast<std::uint8_t>(no_plate + (known[x] != 1 ? 1 : 0));
+      foreground = static_cast<std::uint8_t>(foreground + (alpha[x] >> 7));
+    }
+    counts.no_plate += no_plate;
+    counts.foreground += foreground;
   }
-  return {no_plate, foreground};
+}
+
+std::size_t count_set(const std::uint8_t* row, int width) {
+  std::size_t sum = 0;
+  for (int begin = 0; begin < width; begin += kStretch) {
+    const int end = std::min(width, begin + kStretch);
+    std::uint8_t set = 0;
+    for (int x = begin; x < end; ++x) set = static_cast<std::uint8_t>(set + (row[x] != 0 ? 1 : 0));
+    sum += set;
+  }
+  return sum;
+}
+
+// Blanks a matte outside the volume, hides what could not be compared, counts.
+Counts finish(const Difference& difference, const FrameGrid& grid, image::Matte& matte) {
+  const int width = matte.alpha.width();
+  const int height = matte.alpha.height();
+  Counts counts;
+  CellMask outside = grid.volume;
+  for (std::uint8_t& on : outside.on) on = on == 0 ? 1 : 0;
+  for (auto* image : {&matte.alpha, &matte.unknown, &matte.occluders})
+    fill_cells(*image, outside, std::uint8_t{0});
+  for (int j = 0; j < grid.volume.rows; ++j) {
+    const std::vector<Span> active = spans(difference.active, j, width);
+    const std::vector<Span> volume = spans(grid.volume, j, width);
+    for (int y = j * kCell; y < std::min(height, (j + 1) * kCell); ++y) {
+      std::uint8_t* hidden = matte.unknown.row(y);
+      const std::uint8_t* alpha = matte.alpha.row(y);
+      const std::uint8_t* known = difference.known.row(y);
+      for (const Span& s : active)
+        count_row(alpha + s.begin, known + s.begin, s.end - s.begin, hidden + s.begin, counts);
+      for (const Span& s : volume) counts.unknown += count_set(hidden + s.begin, s.end - s.begin);
+    }
+  }
+  return counts;
+}
+
+// The rectangle round the marked cells.
+image::Rect region_of(const CellMask& cells, int width, int height) {
+  int left = width, right = -1, top = height, bottom = -1;
+  for (int j = 0; j < cells.rows; ++j)
+    for (int i = 0; i < cells.columns; ++i) {
+      if (!cells.at(i, j)) continue;
+      left = std::min(left, i * kCell);
+      right = std::max(right, std::min(width, (i + 1) * kCell) - 1);
+      top = std::min(top, j * kCell);
+      bottom = std::max(bottom, std::min(height, (j + 1) * kCell) - 1);
+    }
+  if (right < left) return {0, 0, 0, 0};
+  return {left, top, right - left + 1, bottom - top + 1};
 }
 
 }  // namespace
@@ -72,9 +132,11 @@ base::Status KeyOptions::validate() const {
 struct Keyer::State {
   ColourTable colours;
   PackedPlate plate;
+  PlatePatches patches;
   WarpedPlate warped;
   Difference difference;
-  image::Image<std::uint8_t> peak, bodies, scratch, hidden;
+  CellImage<std::uint8_t> peak, bodies, scratch;
+  image::Image<std::uint8_t> hidden;
   MixBuffers mix;
 };
 
@@ -113,10 +175,11 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
 
   const FrameGrid grid = make_grid(camera, pitch, o.margin_m, o.tallest_m);
   state_->plate.show(shown);
+  state_->patches.show(shown);
   PlateWarper warper(plate, state_->plate, grid, width, height, o.noise_codes);
   const Expected turf = turf_colour(frame, grid);
   const SceneLight light = scene_light(frame, warper, grid, o.noise_codes);
-  const CellMask active = find_active(frame, warper, grid, light, o);
+  const CellMask active = find_active(frame, warper, state_->patches, grid, light, o);
   WarpedPlate& warped = state_->warped;
   Difference& diff = state_->difference;
   difference(frame, active, warper, grid, turf, light, o, warped, diff);
@@ -124,10 +187,10 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
     state_->colours = ColourTable(o.colours, frame.colour);
   apply_colours(frame, state_->colours, diff);
   local_peak(diff, state_->scratch, state_->peak);
-  const bool boards = find_bodies(diff, state_->peak, grid, camera, pitch, o, state_->scratch,
+  const bool boards = find_bodies(diff, state_->peak.image, grid, camera, pitch, o, state_->scratch,
                                   state_->hidden, state_->bodies);
-  const image::Image<std::uint8_t>& bodies = state_->bodies;
-  matte.alpha = soft_alpha(frame, warped, turf, diff, state_->peak, bodies, o, state_->mix);
+  const image::Image<std::uint8_t>& bodies = state_->bodies.image;
+  matte.alpha = soft_alpha(frame, warped, turf, diff, state_->peak.image, bodies, o, state_->mix);
   matte.occluders = paint_occluders(camera, pitch, o.occluder_margin_px);
   matte.unknown = matte.occluders;
   if (boards) {
@@ -136,49 +199,12 @@ state::KeyResult Keyer::key(const image::Frame& frame, const geometry::CameraEst
   }
   mark_alike(frame, diff, bodies, matte.alpha, grid, o, matte.unknown);
 
-  std::size_t foreground = 0;
-  std::size_t unknown = 0;
-  std::size_t no_plate = 0;
-  int left = width, right = -1, top = height, bottom = -1;
-  for (int j = 0; j < grid.volume.rows; ++j)
-    for (int i = 0; i < grid.volume.columns; ++i) {
-      const int x0 = i * kCell;
-      const int x1 = std::min(width, x0 + kCell);
-      const int y0 = j * kCell;
-      const int y1 = std::min(height, y0 + kCell);
-      if (!grid.volume.at(i, j)) {
-        for (int y = y0; y < y1; ++y) {
-          std::fill(matte.alpha.row(y) + x0, matte.alpha.row(y) + x1, std::uint8_t{0});
-          std::fill(matte.unknown.row(y) + x0, matte.unknown.row(y) + x1, std::uint8_t{0});
-          std::fill(matte.occluders.row(y) + x0, matte.occluders.row(y) + x1, std::uint8_t{0});
-        }
-        continue;
-      }
-      left = std::min(left, x0);
-      right = std::max(right, x1 - 1);
-      top = std::min(top, y0);
-      bottom = std::max(bottom, y1 - 1);
-      const bool looked_at = diff.active.at(i, j);
-      for (int y = y0; y < y1; ++y) {
-        std::uint8_t* hidden = matte.unknown.row(y);
-        if (looked_at) {
-          const std::uint8_t* alpha = matte.alpha.row(y);
-          const std::uint8_t* known = diff.known.row(y);
-          const Counts counts = count_row(alpha + x0, known + x0, x1 - x0, hidden + x0);
-          no_plate += counts.no_plate;
-          foreground += counts.foreground;
-        }
-        unsigned sum = 0;
-        for (int x = x0; x < x1; ++x) sum += hidden[x] != 0 ? 1U : 0U;
-        unknown += sum;
-      }
-    }
-  matte.region = right < left ? image::Rect{0, 0, 0, 0}
-                              : image::Rect{left, top, right - left + 1, bottom - top + 1};
+  const Counts counts = finish(diff, grid, matte);
+  matte.region = region_of(grid.volume, width, height);
   const double all = static_cast<double>(width) * height;
-  result.report.foreground_share = static_cast<double>(foreground) / all;
-  result.report.unknown_share = static_cast<double>(unknown) / all;
-  result.report.no_plate_share = static_cast<double>(no_plate) / all;
+  result.report.foreground_share = static_cast<double>(counts.foreground) / all;
+  result.report.unknown_share = static_cast<double>(counts.unknown) / all;
+  result.report.no_plate_share = static_cast<double>(counts.no_plate) / all;
   return result;
 }
 

@@ -263,6 +263,14 @@ PlateWarper::Cell PlateWarper::cell(int i, int j) const {
   return out;
 }
 
+std::optional<PlateWarper::Patch> PlateWarper::patch(int i, int j) const {
+  const Cell c = cell(i, j);
+  if (c.seam) return {};
+  const auto [left, right] = std::minmax_element(c.u.begin(), c.u.end());
+  const auto [top, bottom] = std::minmax_element(c.v.begin(), c.v.end());
+  return Patch{*left, *top, *right, *bottom};
+}
+
 // Any position: taps without a value are left out.
 void PlateWarper::sample_one(float u, float v, bool turf, PlateSamples& out, std::size_t lane) {
   const int iu = static_cast<int>(std::floor(u));

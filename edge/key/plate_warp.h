@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "edge/key/packed_plate.h"
@@ -49,6 +50,13 @@ class PlateWarper {
   void start(const CellMask& cells, WarpedPlate& out) const;
   // Fills the cells of one row of them; those outside the volume with 0.
   void warp_row(int j, WarpedPlate& out);
+  // The rectangle of the plate that a cell shows; none where it lies across the plate's seam.
+  struct Patch {
+    float left, top, right, bottom;
+  };
+  std::optional<Patch> patch(int i, int j) const;
+  // Of chroma on turf, code values: no deviation there counts for more.
+  float turf_chroma_bound() const { return static_cast<float>(chroma_bound_) * 0.0625f; }
   // The usual deviations of the plate's turf in sight, code values; 0 where there is none.
   float turf_luma_deviation() const { return turf_luma_deviation_; }
   float turf_chroma_deviation() const { return turf_chroma_deviation_; }

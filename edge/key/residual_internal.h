@@ -15,6 +15,7 @@ inline constexpr float kChromaNoise = 0.6f;  // of the luma noise
 // What another light leaves over of turf and paint, in luma and in chroma: shares of their luma.
 inline constexpr float kLumaOfLight = 0.0125f;
 inline constexpr float kChromaOfLight = 0.0125f;
+inline constexpr float kLitAgain = 1.1f;  // luma of turf out of a shadow over that of turf round it
 inline constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
 
 // How light may change what a background pixel shows.

@@ -5,27 +5,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <vector>
+
+#include "edge/key/mixture_internal.h"
 
 namespace touchline::key {
 namespace {
 
-constexpr int kBand = 2;               // pixels on either side of the boundary that are mixed
-constexpr int kShadeBlock = 4;         // pixels that share a figure for the shadow
-constexpr int kShadeReach = 6;         // pixels round them that tell it
-constexpr int kFar = 4;                // depths are told apart up to this
-constexpr int kDeep = 3;               // pixels from the boundary from which on a colour is pure
-constexpr float kSureShare = 0.55f;    // of that peak, for a pixel of pure foreground
-constexpr float kFringeShare = 0.5f;   // likewise, below which the outermost pixels are a fringe
-constexpr float kCostPerPixel = 60;    // squared code values, of looking for a colour farther away
-constexpr float kCostOfRim = 250;      // of a colour a pixel nearer to the boundary
-constexpr float kUnexplained = 0.3f;   // share of a pixel's squared difference no mix explains
-constexpr float kChromaWeight = 2;     // chroma is noisier by format, steadier by light
-constexpr float kLeastContrast = 400;  // squared, of a foreground colour that a share is told by
-constexpr int kLanes = 8;
+constexpr int kBand = 2;             // pixels on either side of the boundary that are mixed
+constexpr int kShadeBlock = 4;       // pixels that share a figure for the shadow
+constexpr int kShadeReach = 6;       // pixels round them that tell it
+constexpr int kFar = 4;              // depths are told apart up to this
+constexpr float kSureShare = 0.55f;  // of that peak, for a pixel of pure foreground
+
+// The first `n` of eight bytes, the others `beyond`, in the lower half.
+__m128i bytes_at(const void* from, int n, std::uint8_t beyond) {
+  if (n == kLanes) return _mm_loadl_epi64(static_cast<const __m128i*>(from));
+  alignas(16) std::array<std::uint8_t, 16> copy;
+  copy.fill(beyond);
+  std::memcpy(copy.data(), from, static_cast<std::size_t>(n));
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(copy.data()));
+}
 
 // Cells of the frame with a body in them or beside them; the rest is not touched.
 CellMask cells_of(const image::Image<std::uint8_t>& bodies, const CellMask& active) {
@@ -53,10 +54,11 @@ void each_span(const CellMask& cells, int width, int height, const Visit& visit)
 
 // Steps to the other side, city block, up to kFar: positive inside bodies, negative outside.
 void signed_depth(const image::Image<std::uint8_t>& bodies, const CellMask& cells,
-                  image::Image<std::int8_t>& out) {
+                  CellImage<std::int8_t>& depth) {
   const int w = bodies.width();
   const int h = bodies.height();
-  reset(out, w, h, std::int8_t{-kFar});
+  depth.start(w, h, cells);
+  image::Image<std::int8_t>& out = depth.image;
   each_span(cells, w, h, [&](const Span& span, int y) {
     const std::uint8_t* from = bodies.row(y);
     std::int8_t* to = out.row(y);
@@ -95,12 +97,15 @@ void signed_depth(const image::Image<std::uint8_t>& bodies, const CellMask& cell
 // colours only near bodies; columns beside the picture have depth 0.
 class Cores {
  public:
-  Cores(std::array<SparsePlane<std::int16_t>, 4>& planes, int width, int height)
-      : width_(width), planes_(planes) {
-    for (auto& plane : planes_) plane.resize(width, height);
+  Cores(SparsePlane<std::int16_t>& rows, int width, int height) : width_(width), rows_(rows) {
+    rows.resize(width, kPlanes * height);
   }
-  enum Plane : std::size_t { kLuma, kBlue, kRed, kDepth };
-  const std::int16_t* row(Plane plane, int y) const { return planes_[plane].row(y); }
+  enum Plane : std::uint8_t { kLuma, kBlue, kRed, kDepth, kPlanes };
+  const std::int16_t* row(Plane plane, int y) const { return rows_.row(kPlanes * y + plane); }
+  CorePixel pixel(int x, int y) const {
+    const std::ptrdiff_t plane = rows_.stride();
+    return {row(kLuma, y) + x, plane, kPlanes * plane};
+  }
 
   void fill(const image::Frame& frame, const Difference& difference,
             const image::Image<std::uint8_t>& peak, const image::Image<std::int8_t>& depth,
@@ -136,7 +141,7 @@ class Cores {
   }
 
  private:
-  std::int16_t* to(Plane plane, int y) { return planes_[plane].row(y); }
+  std::int16_t* to(Plane plane, int y) { return rows_.row(kPlanes * y + plane); }
   void fill_chroma(const image::Frame& frame, Plane plane, int begin, int end, int y) {
     const auto shift = image::chroma_shift(frame.format);
     const auto& from = frame.planes[plane];
@@ -160,8 +165,15 @@ class Cores {
 
   static constexpr int kPad = SparsePlane<std::int16_t>::kPad;
   int width_;
-  std::array<SparsePlane<std::int16_t>, 4>& planes_;
+  SparsePlane<std::int16_t>& rows_;
 };
+
+int sum_of(__m256i words) {
+  __m128i half = _mm_add_epi32(_mm256_castsi256_si128(words), _mm256_extracti128_si256(words, 1));
+  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0x4e));
+  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0xb1));
+  return _mm_cvtsi128_si32(half);
+}
 
 // Luma of the background round a pixel over the plate's: the shadow people stand in. One figure for
 // four by four pixels.
@@ -194,6 +206,8 @@ class Shades {
     int known = 0;
     int unknown = 0;
     const int left = x - kShadeReach < 0 ? (x - kShadeReach) & 1 : x - kShadeReach;
+    if (left == x - kShadeReach && left + 2 * kLanes <= depth_.width())
+      return measure_inside(left, y);
     const int right = std::min(depth_.width() - 1, x + kShadeReach);
     for (int ny = y - kShadeReach; ny <= y + kShadeReach; ny += 2) {
       if (ny < 0 || ny >= depth_.height()) continue;
@@ -207,10 +221,57 @@ class Shades {
         (from[nx] ? known : unknown) += 1;
       }
     }
+    return shade(seen, plate, known, unknown);
+  }
+  float shade(int seen, int plate, int known, int unknown) const {
     const float expected = static_cast<float>(plate) * 0.0625f - 64.f * static_cast<float>(known) +
                            turf_.y * static_cast<float>(unknown);
     if (expected < 100.f) return 1;
     return std::clamp(static_cast<float>(seen) / expected, 0.3f, 1.25f);
+  }
+  // The same where no column lies beyond the picture: every second one in a lane.
+  float measure_inside(int left, int y) const {
+    static_assert(kShadeReach + 1 < kLanes);
+    const __m256i even = _mm256_set1_epi32(0xffff);
+    const __m256i zero = _mm256_setzero_si256();
+    __m256i seen = zero;
+    __m256i plate = zero;
+    __m256i known = zero;
+    __m256i all_of = zero;
+    for (int ny = y - kShadeReach; ny <= y + kShadeReach; ny += 2) {
+      if (ny < 0 || ny >= depth_.height()) continue;
+      // Bits for lanes of cells that are there.
+      const int j = ny / kCell;
+      const int i = left / kCell;
+      const int in_first = std::min(kShadeReach + 1, ((i + 1) * kCell - left + 1) / 2);
+      unsigned lanes = plate_.done.at(i, j) ? (1U << in_first) - 1 : 0U;
+      if (in_first <= kShadeReach && plate_.done.at(i + 1, j))
+        lanes |= (2U << kShadeReach) - (1U << in_first);
+      if (lanes == 0) continue;
+      const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+      const __m256i there = _mm256_cmpeq_epi32(
+          _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(lanes)), bit), bit);
+      const __m128i steps = _mm_srai_epi16(
+          _mm_slli_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(depth_.row(ny) + left)),
+                         8),
+          8);
+      const __m256i far =
+          _mm256_cmpgt_epi32(_mm256_set1_epi32(-kBand), _mm256_cvtepi16_epi32(steps));
+      const __m256i counts = _mm256_and_si256(far, there);
+      const auto at = [&](const std::uint16_t* row) {
+        const auto* from = reinterpret_cast<const __m256i*>(row + left);
+        return _mm256_and_si256(_mm256_and_si256(_mm256_loadu_si256(from), even), counts);
+      };
+      const __m256i luma = at(luma_.row(ny));
+      const __m256i from = at(plate_.y.row(ny));
+      seen = _mm256_add_epi32(seen, luma);
+      plate = _mm256_add_epi32(plate, from);
+      all_of = _mm256_sub_epi32(all_of, counts);
+      known = _mm256_sub_epi32(known, _mm256_cmpgt_epi32(from, zero));
+    }
+    const int n = sum_of(all_of);
+    const int with_plate = sum_of(known);
+    return shade(sum_of(seen) - 64 * n, sum_of(plate), with_plate, n - with_plate);
   }
 
   image::ImageView<const std::uint16_t> luma_;
@@ -220,118 +281,6 @@ class Shades {
   int columns_;
   std::vector<float> shades_;  // 0 = not measured yet
 };
-
-// Where a foreground colour is looked for, near to far.
-constexpr std::array<std::array<int, 2>, 32> kOffsets{
-    {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1},  {-1, 1},  {1, -1}, {-1, -1},
-     {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {2, 2},  {-2, 2},  {2, -2}, {-2, -2},
-     {3, 1}, {-3, 1}, {1, 3}, {1, -3}, {3, -1}, {-3, -1}, {-1, 3}, {-1, -3},
-     {4, 0}, {-4, 0}, {0, 4}, {0, -4}, {3, 3},  {-3, 3},  {3, -3}, {-3, -3}}};
-constexpr int kReach = 4;  // of them
-
-__m256 all(float v) { return _mm256_set1_ps(v); }
-__m256 widened(__m128i words) { return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(words)); }
-__m128i load(const std::int16_t* from) {
-  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
-}
-// The greatest of eight words, in the first.
-__m128i max_of(__m128i words) {
-  words = _mm_max_epi16(words, _mm_srli_si128(words, 8));
-  words = _mm_max_epi16(words, _mm_srli_si128(words, 4));
-  return _mm_max_epi16(words, _mm_srli_si128(words, 2));
-}
-__m256 squared_norm(__m256 y, __m256 b, __m256 r) {
-  const __m256 chroma = _mm256_fmadd_ps(b, b, _mm256_mul_ps(r, r));
-  return _mm256_fmadd_ps(all(kChromaWeight), chroma, _mm256_mul_ps(y, y));
-}
-
-// The background of eight pixels, shadows included.
-struct Background {
-  __m256 y, cb, cr;
-};
-
-Background background(const WarpedPlate& plate, const Expected& turf, int x, int y, __m256 shade) {
-  Background out{all(turf.y), all(turf.cb), all(turf.cr)};
-  if (plate.done.at(x / kCell, y / kCell)) {
-    const auto from = [&](const WarpPlane& plane, float zero) {
-      const __m128i words = _mm_loadu_si128(reinterpret_cast<const __m128i*>(plane.row(y) + x));
-      return _mm256_fmsub_ps(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(words)), all(0.0625f),
-                             all(zero));
-    };
-    const __m256 luma = from(plate.y, 64.f);
-    const __m256 missing = _mm256_cmp_ps(luma, all(-64.f), _CMP_EQ_OQ);
-    out.y = _mm256_blendv_ps(luma, out.y, missing);
-    out.cb = _mm256_blendv_ps(from(plate.cb, 512.f), out.cb, missing);
-    out.cr = _mm256_blendv_ps(from(plate.cr, 512.f), out.cr, missing);
-  }
-  out.y = _mm256_mul_ps(out.y, shade);
-  out.cb = _mm256_mul_ps(out.cb, shade);
-  out.cr = _mm256_mul_ps(out.cr, shade);
-  return out;
-}
-
-struct Mixture {
-  alignas(32) std::array<float, kLanes> share, rest, unlike;
-};
-
-// The mix that explains each of eight pixels best. `wanted` has bits set in lanes that count.
-void mix(const Cores& cores, int x, int y, int height, const Background& b, __m256 wanted,
-         Mixture& out) {
-  const auto colour = [&](Cores::Plane plane, int nx, int ny, __m256 less) {
-    return _mm256_fmsub_ps(all(0.5f), widened(load(cores.row(plane, ny) + nx)), less);
-  };
-  const __m256 py = colour(Cores::kLuma, x, y, b.y);
-  const __m256 pb = colour(Cores::kBlue, x, y, b.cb);
-  const __m256 pr = colour(Cores::kRed, x, y, b.cr);
-  const __m256 unlike = squared_norm(py, pb, pr);
-  const __m256 least = _mm256_max_ps(all(kLeastContrast), _mm256_mul_ps(unlike, all(0.5f)));
-  // No colour within reach costs less than its way and the rim of the deepest.
-  __m128i deepest = _mm_setzero_si128();
-  for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v) {
-    const std::int16_t* row = cores.row(Cores::kDepth, v);
-    deepest = _mm_max_epi16(deepest, _mm_max_epi16(load(row + x - kReach), load(row + x + kReach)));
-  }
-  const float least_rim =
-      kCostOfRim * static_cast<float>(kDeep - _mm_extract_epi16(max_of(deepest), 0));
-  __m256 best_cost = all(1e30f);
-  __m256 best_rest = unlike;
-  __m256 best = _mm256_setzero_ps();
-  for (const auto& o : kOffsets) {
-    const float far = kCostPerPixel * static_cast<float>(std::abs(o[0]) + std::abs(o[1]));
-    const __m256 open =
-        _mm256_and_ps(wanted, _mm256_cmp_ps(best_cost, all(far + least_rim), _CMP_GT_OQ));
-    if (_mm256_movemask_ps(open) == 0) continue;
-    const int ny = y + o[1];
-    if (ny < 0 || ny >= height) continue;
-    const int nx = x + o[0];
-    const __m256 depth = widened(load(cores.row(Cores::kDepth, ny) + nx));
-    const __m256 sure = _mm256_and_ps(open, _mm256_cmp_ps(depth, _mm256_setzero_ps(), _CMP_GT_OQ));
-    if (_mm256_movemask_ps(sure) == 0) continue;
-    const __m256 fy = colour(Cores::kLuma, nx, ny, b.y);
-    const __m256 fb = colour(Cores::kBlue, nx, ny, b.cb);
-    const __m256 fr = colour(Cores::kRed, nx, ny, b.cr);
-    const __m256 norm = squared_norm(fy, fb, fr);
-    const __m256 chroma = _mm256_fmadd_ps(pb, fb, _mm256_mul_ps(pr, fr));
-    const __m256 dot = _mm256_fmadd_ps(all(kChromaWeight), chroma, _mm256_mul_ps(py, fy));
-    const __m256 share =
-        _mm256_min_ps(_mm256_max_ps(_mm256_div_ps(dot, norm), _mm256_setzero_ps()), all(1.f));
-    const __m256 rest =
-        squared_norm(_mm256_fnmadd_ps(share, fy, py), _mm256_fnmadd_ps(share, fb, pb),
-                     _mm256_fnmadd_ps(share, fr, pr));
-    const __m256 rim =
-        _mm256_fnmadd_ps(all(kCostOfRim), depth, all(far + kCostOfRim * static_cast<float>(kDeep)));
-    const __m256 cost = _mm256_add_ps(rest, rim);
-    const __m256 better =
-        _mm256_and_ps(sure, _mm256_and_ps(_mm256_cmp_ps(norm, least, _CMP_GE_OQ),
-                                          _mm256_cmp_ps(cost, best_cost, _CMP_LT_OQ)));
-    best_cost = _mm256_blendv_ps(best_cost, cost, better);
-    best_rest = _mm256_blendv_ps(best_rest, rest, better);
-    best = _mm256_blendv_ps(best, share, better);
-  }
-  _mm256_store_ps(out.share.data(), best);
-  _mm256_store_ps(out.rest.data(), best_rest);
-  _mm256_store_ps(out.unlike.data(), unlike);
-}
 
 }  // namespace
 
@@ -343,7 +292,7 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
   const int width = bodies.width();
   const int height = bodies.height();
   const CellMask cells = cells_of(bodies, difference.active);
-  const image::Image<std::int8_t>& depth = buffers.depth;
+  const image::Image<std::int8_t>& depth = buffers.depth.image;
   signed_depth(bodies, cells, buffers.depth);
   Cores cores(buffers.cores, width, height);
   const float weak = static_cast<float>(options.weak_sigma) * kDistanceScale;
@@ -354,7 +303,6 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
   const float own_colour = 1.5f * weak;
 
   image::Image<std::uint8_t> alpha(width, height, 0);
-  Mixture mixture;
   each_span(cells, width, height, [&](const Span& span, int y) {
     const std::int8_t* steps = depth.row(y);
     const std::int16_t* core = cores.row(Cores::kDepth, y);
@@ -363,44 +311,33 @@ image::Image<std::uint8_t> soft_alpha(const image::Frame& frame, const WarpedPla
     std::uint8_t* to = alpha.row(y);
     for (int x = span.begin; x < span.end; x += kLanes) {
       const int n = std::min(kLanes, span.end - x);
-      alignas(16) std::array<std::int8_t, 16> near{};
-      std::copy_n(steps + x, n, near.begin());
-      if (n < kLanes) std::fill(near.begin() + n, near.begin() + kLanes, std::int8_t{-kFar});
-      const __m128i d =
-          _mm_cvtepi8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(near.data())));
+      const __m128i d = _mm_cvtepi8_epi16(bytes_at(steps + x, n, static_cast<std::uint8_t>(-kFar)));
       const __m128i band = _mm_cmpgt_epi16(d, _mm_set1_epi16(-kBand - 1));
-      if (_mm_movemask_epi8(band) == 0) continue;
+      if (_mm_testz_si128(band, band) != 0) continue;
       const __m128i pure = _mm_and_si128(_mm_cmpgt_epi16(d, _mm_set1_epi16(kBand)),
                                          _mm_cmpgt_epi16(load(core + x), _mm_setzero_si128()));
-      alignas(16) std::array<std::uint8_t, 16> full;
-      _mm_store_si128(reinterpret_cast<__m128i*>(full.data()), _mm_packs_epi16(pure, pure));
-      std::copy_n(full.begin(), n, to + x);
+      __m128i out = _mm_packs_epi16(pure, pure);
       const __m128i mixed = _mm_andnot_si128(pure, band);
-      if (_mm_movemask_epi8(mixed) == 0) continue;
-      alignas(32) std::array<std::int32_t, kLanes> wanted;
-      _mm256_store_si256(reinterpret_cast<__m256i*>(wanted.data()), _mm256_cvtepi16_epi32(mixed));
-      const auto in_half = [&](std::size_t k) {
-        return (wanted[k] | wanted[k + 1] | wanted[k + 2] | wanted[k + 3]) != 0;
-      };
-      const __m128 left = _mm_set1_ps(in_half(0) ? shades.at(x, y) : 1.f);
-      const __m128 right = _mm_set1_ps(in_half(4) ? shades.at(x + kLanes / 2, y) : 1.f);
-      const Background b = background(plate, turf, x, y, _mm256_set_m128(right, left));
-      mix(cores, x, y, height, b,
-          _mm256_castsi256_ps(_mm256_load_si256(reinterpret_cast<const __m256i*>(wanted.data()))),
-          mixture);
-      for (int k = 0; k < n; ++k) {
-        const auto lane = static_cast<std::size_t>(k);
-        if (wanted[lane] == 0) continue;
-        float share = mixture.share[lane];
-        const auto reached = static_cast<float>(distance[x + k]);
-        const bool fringe =
-            steps[x + k] < 2 && reached < kFringeShare * static_cast<float>(top[x + k]);
-        if (steps[x + k] > 0 && !fringe &&
-            mixture.rest[lane] > kUnexplained * mixture.unlike[lane] && reached >= own_colour)
-          share = 1;
-        const int value = static_cast<int>(share * 255.f + 0.5f);
-        to[x + k] = static_cast<std::uint8_t>(value < 12 ? 0 : value > 243 ? 255 : value);
+      if (_mm_testz_si128(mixed, mixed) == 0) {
+        const auto in_half = [](__m128i half) { return _mm_cvtsi128_si64(half) != 0; };
+        const __m128 left = _mm_set1_ps(in_half(mixed) ? shades.at(x, y) : 1.f);
+        const __m128 right =
+            _mm_set1_ps(in_half(_mm_srli_si128(mixed, 8)) ? shades.at(x + kLanes / 2, y) : 1.f);
+        const Background b = background(plate, turf, x, y, _mm256_set_m128(right, left));
+        const Mixture mixture =
+            mix(cores.pixel(x, y), y, height, b, _mm256_castsi256_ps(_mm256_cvtepi16_epi32(mixed)));
+        const auto floats = [n](const std::uint8_t* from) {
+          return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(bytes_at(from, n, 0)));
+        };
+        const __m256i covered =
+            coverage(mixture, widened(d), floats(distance + x), floats(top + x), own_colour);
+        const __m128i words =
+            _mm_packs_epi32(_mm256_castsi256_si128(covered), _mm256_extracti128_si256(covered, 1));
+        out = _mm_blendv_epi8(out, _mm_packus_epi16(words, words), _mm_packs_epi16(mixed, mixed));
       }
+      alignas(16) std::array<std::uint8_t, 16> bytes;
+      _mm_store_si128(reinterpret_cast<__m128i*>(bytes.data()), out);
+      std::copy_n(bytes.begin(), n, to + x);
     }
   });
   return alpha;

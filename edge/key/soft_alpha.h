@@ -2,7 +2,6 @@
 // plate's.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "edge/key/difference.h"
@@ -14,9 +13,10 @@ namespace touchline::key {
 
 // What soft_alpha() uses again from frame to frame.
 struct MixBuffers {
-  image::Image<std::int8_t> depth;
-  // Luma, Cb and Cr in half code values less black and grey; depth of what is surely foreground.
-  std::array<SparsePlane<std::int16_t>, 4> cores;
+  CellImage<std::int8_t> depth{-4};  // steps to the other side, up to 4
+  // Four rows a row of the picture: luma, Cb and Cr in half code values less black and grey, and
+  // depth of what is surely foreground.
+  SparsePlane<std::int16_t> cores;
 };
 
 // 255 inside bodies, 0 away from them. Pixels within two of the boundary, and those inside that are
