@@ -116,6 +116,12 @@ struct Deviations {
 Deviations deviations_of(const PackedTile& tile, const Looked& looked, std::uint16_t luma_bound,
                          std::uint16_t chroma_bound) {
   const std::uint32_t* from = tile.deviations.data();
+  // As above; one line of the cache is all that pays.
+  constexpr int kAhead = 3;  // rows
+  const std::ptrdiff_t next =
+      std::min<std::ptrdiff_t>(looked.at[0] + std::ptrdiff_t{kAhead} * PackedTile::kStride,
+                               PackedTile::kStride * (kTile - 1));
+  _mm_prefetch(reinterpret_cast<const char*>(from + next), _MM_HINT_T0);
   const auto four = [&](std::size_t k) {
     const auto one = [&](std::size_t lane) { return static_cast<int>(from[looked.at[k + lane]]); };
     return _mm_setr_epi32(one(0), one(1), one(2), one(3));
