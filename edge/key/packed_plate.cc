@@ -101,27 +101,54 @@ void pack(const Neighbours& tiles, PackedTile& out) {
 
 }  // namespace
 
+PackedPlate::Sources PackedPlate::sources_of(const image::PlateTileKey& key) const {
+  const auto find = [&](int right, int down) -> const image::SharedPlateTile& {
+    const auto found = plate_->tiles.find({key.column + right, key.row + down});
+    return found != plate_->tiles.end() && !found->second->count.empty() ? found->second : nothing_;
+  };
+  return {find(0, 0), find(1, 0), find(0, 1), find(1, 1)};
+}
+
 void PackedPlate::show(const std::shared_ptr<const image::PlateSnapshot>& plate) {
   if (plate == plate_) return;
   plate_ = plate;
-  tiles_.clear();
+  for (auto it = tiles_.begin(); it != tiles_.end();) {
+    Entry& entry = it->second;
+    const Sources now = sources_of(it->first);
+    const bool same = std::equal(
+        now.begin(), now.end(), entry.sources.begin(),
+        [](const image::SharedPlateTile& a, const image::SharedPlateTile& b) { return a.is(b); });
+    if (same && entry.asked) {
+      entry.asked = false;
+      ++it;
+    } else {
+      if (entry.packed) spare_.push_back(std::move(entry.packed));
+      it = tiles_.erase(it);
+    }
+  }
 }
 
 const PackedTile* PackedPlate::tile(int column, int row) {
   const image::PlateTileKey key{column, row};
   const auto known = tiles_.find(key);
-  if (known != tiles_.end()) return known->second.get();
-  const auto find = [&](int right, int down) -> const image::PlateTile* {
-    const auto found = plate_->tiles.find({column + right, row + down});
-    return found != plate_->tiles.end() && !found->second.count.empty() ? &found->second : nullptr;
-  };
-  const Neighbours tiles{find(0, 0), find(1, 0), find(0, 1), find(1, 1)};
-  std::unique_ptr<PackedTile> packed;
-  if (tiles[0]) {
-    packed = std::make_unique<PackedTile>();
-    pack(tiles, *packed);
+  if (known != tiles_.end()) {
+    known->second.asked = true;
+    return known->second.packed.get();
   }
-  return tiles_.emplace(key, std::move(packed)).first->second.get();
+  Entry entry{sources_of(key), nullptr};
+  if (!entry.sources[0].is(nothing_)) {
+    if (spare_.empty()) {
+      entry.packed = std::make_unique<PackedTile>();
+    } else {
+      entry.packed = std::move(spare_.back());
+      spare_.pop_back();
+    }
+    Neighbours tiles{};
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      tiles[i] = entry.sources[i].is(nothing_) ? nullptr : &*entry.sources[i];
+    pack(tiles, *entry.packed);
+  }
+  return tiles_.emplace(key, std::move(entry)).first->second.packed.get();
 }
 
 }  // namespace touchline::key

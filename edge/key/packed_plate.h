@@ -28,15 +28,26 @@ struct PackedTile {
 // Packs the tiles of a plate when they are first asked for.
 class PackedPlate {
  public:
-  // From now on the tiles are those of this plate. Tiles that were packed are kept if it is the
-  // one shown before; it is held, so that nobody writes to it.
+  // From now on the tiles are those of this plate. What was asked for since the plate before and is
+  // the same tile in this one stays packed.
   void show(const std::shared_ptr<const image::PlateSnapshot>& plate);
   // Null where the plate has no tile.
   const PackedTile* tile(int column, int row);
 
  private:
+  // The tile itself and those to the right, below, and both.
+  using Sources = std::array<image::SharedPlateTile, 4>;
+  struct Entry {
+    Sources sources;
+    std::unique_ptr<PackedTile> packed;
+    bool asked = true;  // since the plate was shown
+  };
+  Sources sources_of(const image::PlateTileKey& key) const;
+
+  image::SharedPlateTile nothing_;  // where there is no tile
   std::shared_ptr<const image::PlateSnapshot> plate_;
-  std::map<image::PlateTileKey, std::unique_ptr<PackedTile>> tiles_;
+  std::map<image::PlateTileKey, Entry> tiles_;
+  std::vector<std::unique_ptr<PackedTile>> spare_;
 };
 
 }  // namespace touchline::key

@@ -52,7 +52,7 @@ void PlatePatches::show(const std::shared_ptr<const image::PlateSnapshot>& plate
   tiles_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
   for (const auto& [key, tile] : plate->tiles)
     tiles_[static_cast<std::size_t>((key.row - first_row_) * columns_ + key.column - first_column_)]
-        .samples = &tile;
+        .samples = &*tile;
 }
 
 void PlatePatches::measure(const image::PlateTile& samples, int column, int row, Block& out) {

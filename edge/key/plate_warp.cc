@@ -170,7 +170,7 @@ PlateWarper::PlateWarper(const image::PlateSnapshot& plate, PackedPlate& packed,
                 static_cast<std::size_t>(last_row_ - first_row_ + 1));
   for (const auto& [key, tile] : plate.tiles)
     tiles_[static_cast<std::size_t>((key.row - first_row_) * columns + key.column - first_column_)]
-        .tile = &tile;
+        .tile = &*tile;
 
   turn_ = static_cast<float>(2 * std::numbers::pi / plate.radians_per_px);
   node_u_.resize(grid.rays.size());

@@ -44,7 +44,7 @@ std::optional<Eigen::Vector3d> turf_colour(const image::PlateSnapshot& plate,
       if (tile == plate.tiles.end()) continue;
       const int x = u - key.column * image::kPlateTileSize;
       const int y = v - key.row * image::kPlateTileSize;
-      const image::PlateTile& t = tile->second;
+      const image::PlateTile& t = *tile->second;
       if (!t.count.contains(x, y) || t.count(x, y) == 0) continue;
       const auto rgb = image::ycbcr_to_rgb(
           static_cast<float>(t.mean[0](x, y)) / 16.f, static_cast<float>(t.mean[1](x, y)) / 16.f,

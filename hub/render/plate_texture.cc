@@ -50,7 +50,7 @@ PlateTexture::PlateTexture(const image::PlateSnapshot& plate, const Eigen::Vecto
       radians_per_px_(plate.radians_per_px),
       turn_px_(static_cast<float>(2 * std::numbers::pi / plate.radians_per_px)) {
   for (const auto& [key, tile] : plate.tiles) {
-    if (tile.count.width() != kTile || tile.count.height() != kTile) continue;
+    if (tile->count.width() != kTile || tile->count.height() != kTile) continue;
     keys_.push_back(key);
   }
   tile_count_ = static_cast<int>(keys_.size());
@@ -84,7 +84,7 @@ PlateTexture::PlateTexture(const image::PlateSnapshot& plate, const Eigen::Vecto
 
 void PlateTexture::convert(const image::PlateSnapshot& plate, const Eigen::Vector3d& gain) {
   tbb::parallel_for(0, tile_count_, [&](int i) {
-    const image::PlateTile& source = plate.tiles.at(keys_[i]);
+    const image::PlateTile& source = *plate.tiles.at(keys_[i]);
     Texel* target = tile(0, i);
     for (int y = 0; y < kTile; ++y) {
       for (int x = 0; x < kTile; ++x) {

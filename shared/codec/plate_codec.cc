@@ -138,7 +138,7 @@ base::Result<EncodedPlateTile> encode_plate_tile(const base::CameraId& camera,
         ErrorKind::kNotFound, "plate",
         fmt::format("camera {} has no tile ({}, {})", camera.value, key.column, key.row));
   }
-  auto bytes = encode_plate_tile(found->second, plate.colour, options);
+  auto bytes = encode_plate_tile(*found->second, plate.colour, options);
   if (!bytes) return base::fail(bytes.error());
   return EncodedPlateTile{camera,
                           0,

@@ -7,6 +7,8 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "shared/image/frame.h"
 #include "shared/image/image.h"
@@ -30,6 +32,22 @@ struct PlateTile {
   bool operator==(const PlateTile&) const = default;
 };
 
+// A tile as versions of a plate share it: a copy is the same tile and costs nothing. Its samples
+// never change, so who worked on it need not again while `is` says that it is still the same: keep
+// a copy to ask. Never null.
+class SharedPlateTile {
+ public:
+  SharedPlateTile() : SharedPlateTile(PlateTile{}) {}
+  SharedPlateTile(PlateTile tile) : tile_(std::make_shared<const PlateTile>(std::move(tile))) {}
+  const PlateTile& operator*() const { return *tile_; }
+  const PlateTile* operator->() const { return tile_.get(); }
+  bool is(const SharedPlateTile& other) const { return tile_ == other.tile_; }
+  bool operator==(const SharedPlateTile& other) const { return is(other) || *tile_ == *other; }
+
+ private:
+  std::shared_ptr<const PlateTile> tile_;
+};
+
 // Sphere position (u, v) in plate pixels: u = pan / radians_per_px, v = -tilt / radians_per_px,
 // where pan and tilt are those of the ray from `centre_in_world` (pan = atan2(d.x, d.y), tilt =
 // asin(d.z)). Tile (c, r) covers u in [256 c, 256 c + 255], v likewise. Immutable once published.
@@ -38,7 +56,7 @@ struct PlateSnapshot {
   Eigen::Vector3d centre_in_world = Eigen::Vector3d::Zero();
   double radians_per_px = 0;
   Colour colour;
-  std::map<PlateTileKey, PlateTile> tiles;
+  std::map<PlateTileKey, SharedPlateTile> tiles;
   bool operator==(const PlateSnapshot&) const = default;
 };
 

@@ -373,10 +373,9 @@ const image::PlateTile& plate_tile() {
     return std::count_if(t.count.data(), t.count.data() + t.count.size(),
                          [](std::uint8_t c) { return c > 0; });
   };
-  return std::max_element(
-             tiles.begin(), tiles.end(),
-             [&](const auto& a, const auto& b) { return seen(a.second) < seen(b.second); })
-      ->second;
+  return *std::max_element(tiles.begin(), tiles.end(), [&](const auto& a, const auto& b) {
+            return seen(*a.second) < seen(*b.second);
+          })->second;
 }
 
 void encode_plate_tile(benchmark::State& state) {

@@ -92,7 +92,7 @@ class PlateReader {
     const image::PlateTileKey key{x >> kBits, y >> kBits};
     if (!asked_ || key != key_) {
       const auto found = plate_.tiles.find(key);
-      tile_ = found == plate_.tiles.end() ? nullptr : &found->second;
+      tile_ = found == plate_.tiles.end() ? nullptr : &*found->second;
       key_ = key;
       asked_ = true;
     }

@@ -46,7 +46,7 @@ TEST(PlatePatch, IsMeanAndDeviationOfTheBlocksTouchedAcrossTilesToo) {
   std::vector<double> luma, blue;
   for (int v = 32; v < 64; ++v)
     for (int u = -16; u < 32; ++u) {
-      const image::PlateTile& tile = plate->tiles.at({u < 0 ? -1 : 0, 0});
+      const image::PlateTile& tile = *plate->tiles.at({u < 0 ? -1 : 0, 0});
       const int x = u < 0 ? u + 256 : u;
       luma.push_back(tile.mean[0](x, v) / 16.0 - 64);
       blue.push_back((tile.mean[1](x, v) / 16.0 - 512) / luma.back());
@@ -69,7 +69,9 @@ TEST(PlatePatch, IsMeanAndDeviationOfTheBlocksTouchedAcrossTilesToo) {
 
 TEST(PlatePatch, HasNoColourWhereTheBilinearSamplesAreNotKnown) {
   image::PlateSnapshot plate = noisy_plate();
-  plate.tiles.at({0, 0}).mean[0](48, 48) = 0;
+  image::PlateTile holed = *plate.tiles.at({0, 0});
+  holed.mean[0](48, 48) = 0;
+  plate.tiles[{0, 0}] = std::move(holed);
   PlatePatches patches;
   patches.show(share(std::move(plate)));
   EXPECT_TRUE(patches.over(20, 20, 30, 30).has_value());
@@ -85,9 +87,11 @@ TEST(PlatePatch, IsThatOfThePlateShownLast) {
   patches.show(share(noisy_plate()));
   const auto before = patches.over(20, 20, 30, 30);
   image::PlateSnapshot lighter = noisy_plate();
-  auto& luma = lighter.tiles.at({0, 0}).mean[0];
+  image::PlateTile tile = *lighter.tiles.at({0, 0});
+  auto& luma = tile.mean[0];
   for (std::size_t i = 0; i < luma.size(); ++i)
     luma.data()[i] = static_cast<std::uint16_t>(luma.data()[i] + 160);
+  lighter.tiles[{0, 0}] = std::move(tile);
   patches.show(share(std::move(lighter)));
   const auto after = patches.over(20, 20, 30, 30);
   ASSERT_TRUE(before && after);

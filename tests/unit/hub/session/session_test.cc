@@ -167,7 +167,7 @@ TEST(Session, GivesTheNewestVersionOfEachPlateTile) {
   const image::PlateSnapshot& plate = plates->at({"m1"});
   EXPECT_EQ(plate.version, 5u);
   ASSERT_EQ(plate.tiles.size(), 2u);
-  EXPECT_EQ(plate.tiles.at({0, 0}).count, touchline::samples::plate_tile(5).count);
+  EXPECT_EQ(plate.tiles.at({0, 0})->count, touchline::samples::plate_tile(5).count);
 }
 
 TEST(Session, AUnitThatStartedAgainReplacesItsPlate) {

@@ -62,7 +62,7 @@ TEST(PlateCodec, BuildsAPlateFromItsTiles) {
   EXPECT_EQ(built.centre_in_world, plate.centre_in_world);
   EXPECT_EQ(built.colour, plate.colour);
   ASSERT_EQ(built.tiles.size(), plate.tiles.size());
-  for (const auto& [key, tile] : plate.tiles) EXPECT_EQ(built.tiles.at(key).count, tile.count);
+  for (const auto& [key, tile] : plate.tiles) EXPECT_EQ(built.tiles.at(key)->count, tile->count);
 }
 
 TEST(PlateCodec, RefusesATileOfAnotherPlate) {
