@@ -24,6 +24,8 @@ void read_chain(config::Document& document, ChainOptions& chain) {
   config::Table root = document.root();
   config::Table plate = root.table("plate");
   chain.hold_back_s = plate.number("hold_back_s", chain.hold_back_s, {0, 2});
+  chain.plate_file.save_frames =
+      static_cast<int>(plate.integer("save_frames", chain.plate_file.save_frames, {25, 1000000}));
   chain.plate.update_rate = plate.number("update_rate", chain.plate.update_rate, {0.001, 0.5});
   config::Table key = root.table("key");
   chain.key.weak_sigma = key.number("weak_sigma", chain.key.weak_sigma, {1, 50});
@@ -111,6 +113,8 @@ base::Result<EdgeConfig> load_edge_config(const std::filesystem::path& path) {
       out.chain.key.colours = std::move(*training);
     }
   }
+  if (const auto file = document->root().table("plate").optional_text("file"))
+    out.chain.plate_file.load = out.chain.plate_file.save = path.parent_path() / *file;
   read_head(*document, out.head);
   read_tracking(*document, out.tracking);
   if (base::Status status = document->finish(); !status) return base::fail(status.error());

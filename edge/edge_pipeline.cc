@@ -139,6 +139,9 @@ void process_frames(wire::EdgeLink& link, bool live, const ChainSetup& setup,
   }
   take_commands(link, *chain);
   if (!stop.stop_requested()) hand_on(chain->finish());
+  // What was sent stays sent whether or not the disk takes the plate.
+  if (const base::Status saved = chain->save_plate(); !saved)
+    base::log_warning(base::to_string(saved.error()));
   report = chain->report();
   if (report.survey_error) trouble.set(*report.survey_error);
   out.close();
@@ -172,7 +175,7 @@ base::Result<EdgeReport> run_edge(const EdgeConfig& config, const ChainSetup& se
       [&] { capture_frames(source, captured, frames_read, trouble, end.get_token()); });
   std::unique_ptr<runtime::Executor> executor;
   if (live) {
-    executor = std::make_unique<runtime::BackgroundExecutor>(1);
+    executor = std::make_unique<runtime::BackgroundExecutor>(2);
   } else {
     executor = std::make_unique<runtime::InlineExecutor>();
   }

@@ -69,8 +69,8 @@ base::Status ChainOptions::validate() const {
   }
   for (const base::Status& part :
        {detail.validate(), burnt_in.validate(), mount.validate(), head.validate(), peers.validate(),
-        plate.validate(), key.validate(), encode.validate(), codec.validate(),
-        plate_tiles.validate()}) {
+        plate.validate(), plate_file.validate(), key.validate(), encode.validate(),
+        codec.validate(), plate_tiles.validate()}) {
     if (!part) return part;
   }
   return {};
@@ -111,6 +111,7 @@ struct FrameChain::Impl {
   std::unique_ptr<calibrate::Calibrator> calibrator;
   std::unique_ptr<compensate::Compensator> compensator;
   compensate::BurntIn graphics;
+  std::optional<PlateKeeper> keeper;
   std::unique_ptr<plate::PlateBuilder> plate;
   std::uint32_t plate_version = 1;  // of its first snapshot
   key::Keyer keyer;
@@ -176,10 +177,8 @@ struct FrameChain::Impl {
           report.calibration != geometry::Evidence::kPlate) {
         if (const auto prior = head->prior(mount)) calibrator->start_from(*prior);
       }
-      // Held no longer than it takes: a version that nobody holds becomes the next one.
       if (plate) calibrator->use_plate(plate->snapshot());
       state::TrackResult tracked = calibrator->process(frame);
-      calibrator->use_plate(nullptr);
       if (!tracked.estimate.lost()) {
         estimate = std::move(tracked.estimate);
         if (estimate.evidence == geometry::Evidence::kLines) head->learn(mount, estimate);
@@ -228,9 +227,17 @@ struct FrameChain::Impl {
       return;
     const StageTimer timer(stage(kPlate));
     plate->add(frame, estimate);
+    keeper->after_frame(*plate);
+    note_plate();
   }
 
-  void start_plate(const std::vector<geometry::CameraEstimate>& estimates) {
+  void note_plate() {
+    for (std::string& text : keeper->take_notes()) note(std::move(text));
+  }
+
+  // `frame` is one of those that the estimates are of.
+  void start_plate(const std::vector<geometry::CameraEstimate>& estimates,
+                   const image::Frame& frame) {
     double focal = 0;
     for (const geometry::CameraEstimate& estimate : estimates) {
       if (!estimate.lost()) focal = std::max(focal, estimate.model.fx);
@@ -238,9 +245,12 @@ struct FrameChain::Impl {
     if (focal <= 0 || !finder->mount()) return;
     plate::PlateOptions plate_options = options.plate;
     plate_options.first_version = plate_version;
-    plate = std::make_unique<plate::PlateBuilder>(
-        finder->pitch(), finder->mount()->position_in_world, 1 / focal, plate_options);
     const StageTimer timer(stage(kPlate));
+    plate = keeper->start(
+        finder->pitch(),
+        {finder->mount()->position_in_world, focal, frame.width(), frame.height(), frame.colour},
+        plate_options);
+    note_plate();
     for (std::size_t i = 0; i < still_estimates.size(); ++i)
       plate->seed(stills[i], still_estimates[i]);
     stills.clear();
@@ -325,7 +335,7 @@ struct FrameChain::Impl {
     std::vector<geometry::CameraEstimate> estimates;
     for (std::size_t i = 0; i < held.size(); ++i)
       estimates.push_back(calibrate_frame(*held[i], held_counts[i]));
-    start_plate(estimates);
+    start_plate(estimates, *held.front());
     for (std::size_t i = 0; i < held.size(); ++i) learn_plate(*held[i], estimates[i]);
     publish_plate(out);
     newest = held.back();
@@ -364,8 +374,9 @@ base::Result<FrameChain> FrameChain::make(const ChainSetup& setup, const ChainOp
   impl->options = options;
   auto pitch = pitch::make_pitch(setup.sport, setup.sizes);
   if (!pitch) return base::fail(pitch.error());
-  impl->finder.emplace(setup, options.mount, std::move(*pitch),
-                       executor != nullptr ? *executor : impl->at_once);
+  runtime::Executor& slow = executor != nullptr ? *executor : impl->at_once;
+  impl->finder.emplace(setup, options.mount, std::move(*pitch), slow);
+  impl->keeper.emplace(setup.camera, options.plate_file, slow);
   impl->head.emplace(head, options.head);
   impl->peers.emplace(options.peers);
   impl->stills = std::move(stills);
@@ -420,7 +431,7 @@ ChainOutput FrameChain::push(image::FramePtr frame) {
   impl_->follow_anew(change);
   if (change != MountFinder::Change::kNone) estimate = impl_->calibrate_frame(*clean, counts);
   if (!impl_->plate && estimate.evidence == geometry::Evidence::kLines)
-    impl_->start_plate({estimate});
+    impl_->start_plate({estimate}, *clean);
   impl_->learn_plate(*clean, estimate);
   if (++impl_->frames_since_plate >=
       static_cast<std::uint64_t>(impl_->options.plate_publish_frames)) {
@@ -447,6 +458,8 @@ ChainOutput FrameChain::finish() {
   impl_->publish_plate(out);
   return impl_->done(std::move(out));
 }
+
+base::Status FrameChain::save_plate() { return impl_->keeper->save(impl_->plate.get()); }
 
 ChainReport FrameChain::report() const {
   ChainReport report = impl_->report;

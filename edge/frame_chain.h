@@ -20,6 +20,7 @@
 #include "edge/mount_finder.h"
 #include "edge/peer_follower.h"
 #include "edge/plate/plate_builder.h"
+#include "edge/plate_keeper.h"
 #include "edge/stage_time.h"
 #include "edge/state/detail_model.h"
 #include "shared/base/result.h"
@@ -46,6 +47,7 @@ struct ChainOptions {
   HeadOptions head;
   PeerOptions peers;
   plate::PlateOptions plate;
+  PlateKeepOptions plate_file;
   key::KeyOptions key;
   std::filesystem::path key_colours;  // where the operator's colours are kept; empty: nowhere
   encode::EncodeOptions encode;
@@ -117,6 +119,8 @@ class FrameChain {
   void hear(PeopleSeen people);
   // No more frames: what is held, and the tiles of the final plate.
   ChainOutput finish();
+  // Writes the plate to its file, if it has one: at the end of a run, finished or stopped.
+  base::Status save_plate();
 
   ChainReport report() const;
 

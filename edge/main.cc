@@ -33,6 +33,8 @@ struct Arguments {
   std::string profile;
   int domain = -1;
   std::string tag;
+  std::string plate;
+  std::string save_plate;
   std::vector<std::string> free_d;
   std::vector<std::string> open_track_io;
   bool json = false;
@@ -61,6 +63,8 @@ base::Result<edge::EdgeConfig> config_of(const Arguments& arguments) {
   }
   if (arguments.domain >= 0) config.link.domain = arguments.domain;
   if (!arguments.tag.empty()) config.link.tag = arguments.tag;
+  if (!arguments.plate.empty()) config.chain.plate_file.load = arguments.plate;
+  if (!arguments.save_plate.empty()) config.chain.plate_file.save = arguments.save_plate;
   if (!arguments.free_d.empty()) config.tracking.free_d_to = arguments.free_d;
   if (!arguments.open_track_io.empty()) config.tracking.open_track_io_to = arguments.open_track_io;
   config.tracking.system = config.link.tag;
@@ -312,6 +316,10 @@ int main(int argc, char** argv) {
   run_verb
       ->add_option("--pace", arguments.pace, "of a recording: wall-clock, or as fast as possible")
       ->check(CLI::IsMember({"real", "max"}));
+  run_verb->add_option("--plate", arguments.plate,
+                       "go on from the plate that an earlier run saved here, if it is there");
+  run_verb->add_option("--save-plate", arguments.save_plate,
+                       "save the plate here, now and then and at the end");
   run_verb->add_option("--free-d", arguments.free_d,
                        "address:port that gets free-d D1 messages; may be given again");
   run_verb->add_option("--open-track-io", arguments.open_track_io,

@@ -1,8 +1,9 @@
 #include "edge/plate/plate_builder.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,47 +11,21 @@
 
 #include "edge/plate/acceptance.h"
 #include "edge/plate/frame_sampler.h"
+#include "edge/plate/resumed_tile.h"
 #include "edge/plate/running_mean.h"
-#include "edge/plate/sample_stack.h"
 #include "edge/plate/seed_blend.h"
 #include "edge/plate/still_seed.h"
+#include "edge/plate/tile_state_internal.h"
 #include "edge/plate/turf_colour.h"
-#include "edge/plate/turf_fill.h"
 #include "edge/plate/zones.h"
 
 namespace touchline::plate {
 namespace {
 
-constexpr int kSize = image::kPlateTileSize;
-constexpr int kWide = kSize + 2 * kApron;
-constexpr int kFrameBorder = 0;       // pixels at the frame's edge that are not learnt
-constexpr int kFillReach = 64;        // pixels round a hole that turf is interpolated from
-constexpr double kChromaDoubt = 1.5;  // of the deviation of chroma round a hole, in the hole
-constexpr double kBoardCodes = 12;    // least deviation of boards behind a goal, in stills
-constexpr int kRefitVersions = 20;    // versions after which stills are fitted to the video anew
-
-std::size_t wide_index(int x, int y) {
-  return static_cast<std::size_t>(y + kApron) * kWide + static_cast<std::size_t>(x + kApron);
-}
-std::size_t tile_index(int x, int y) {
-  return static_cast<std::size_t>(y) * kSize + static_cast<std::size_t>(x);
-}
-
-struct TileState {
-  std::vector<std::uint8_t> zones;  // with apron
-  // Samples of each pixel, saturating, and those of them that may be bare ground close to somebody.
-  std::vector<std::uint8_t> seen = std::vector<std::uint8_t>(kSize * kSize, 0);
-  std::vector<std::uint8_t> doubted = seen;
-  std::vector<std::uint32_t> seed;  // packed samples of the stills; empty = not looked up
-  std::optional<SampleStack> learning;
-  image::PlateTile tile;
-  std::uint64_t last_seen = 0;
-  std::uint64_t nodes = 0;  // of nodes_in_view(), those that a sample was taken of
-  int frames = 0;           // it was in view
-  int sampled_at = -1;      // number of the latest frame that was sampled
-  bool changed = false;     // since it was last compared with what is published
-  bool stale = false;       // what is published is to be made anew
-};
+constexpr int kFrameBorder = 0;     // pixels at the frame's edge that are not learnt
+constexpr double kBoardCodes = 12;  // least deviation of boards behind a goal, in stills
+constexpr int kEnoughTold = 20000;  // pixels that say whether a resumed plate is of this place
+constexpr int kRefitVersions = 20;  // versions after which stills are fitted to the video anew
 
 }  // namespace
 
@@ -60,8 +35,8 @@ struct PlateBuilder::State {
   image::PlateSnapshot sphere;  // without tiles: version, centre, scale, colour
   TurfColour turf;
   StillSeed stills;
-  std::map<image::PlateTileKey, TileState> tiles;
-  std::shared_ptr<image::PlateSnapshot> current;
+  TileStates tiles;
+  std::shared_ptr<const image::PlateSnapshot> current;
   int frames = 0;
   int frames_at_publish = -1;
   bool seeds_changed = false;
@@ -69,6 +44,8 @@ struct PlateBuilder::State {
   Acceptance acceptance;
   StillFit fit;
   BlendOptions blend;
+  Comparison resumed;
+  std::optional<double> resumed_apart;
   bool fitted = false;
   std::uint32_t fitted_at = 0;  // version
 
@@ -81,11 +58,10 @@ struct PlateBuilder::State {
   void learn(TileState& t, const std::vector<std::uint8_t>& accepted, int number);
   void note_seen(TileState& t) const;
   bool take_medians();
+  void judge_resumed();
   void find_stale();
   void look_up_seeds();
   void fit_seeds(bool learnt);
-  void fill(const image::PlateTileKey& key, const TileState& t, image::PlateTile& out) const;
-  image::PlateSnapshot& next_snapshot();
 };
 
 TileState& PlateBuilder::State::tile(const image::PlateTileKey& key) {
@@ -182,6 +158,7 @@ void PlateBuilder::State::learn(TileState& t, const std::vector<std::uint8_t>& a
 // True when any tile had one.
 bool PlateBuilder::State::take_medians() {
   bool any = false;
+  image::PlateTile live;
   std::vector<std::uint8_t> prefer(static_cast<std::size_t>(kSize) * kSize);
   for (auto& [key, t] : tiles) {
     if (!t.learning) continue;
@@ -189,9 +166,16 @@ bool PlateBuilder::State::take_medians() {
       for (int y = 0; y < kSize; ++y)
         for (int x = 0; x < kSize; ++x)
           prefer[tile_index(x, y)] = t.zones[wide_index(x, y)] & kPerhapsTurf;
-      t.learning->median(prefer, options.noise_codes, t.tile);
+      any = true;
+      t.learning->median(prefer, options.noise_codes, t.resumed ? live : t.tile);
+      if (t.resumed) {  // find_stale() says whether that is news
+        const Comparison told = take_live(live, options.noise_codes, t.tile);
+        resumed.pixels += told.pixels;
+        resumed.apart += told.apart;
+        continue;
+      }
       t.changed = false;
-      t.stale = any = true;
+      t.stale = true;
       // Turf of the neighbours is interpolated from this.
       for (int row = -1; row <= 1; ++row)
         for (int column = -1; column <= 1; ++column) {
@@ -199,9 +183,33 @@ bool PlateBuilder::State::take_medians() {
           if (near != tiles.end()) near->second.stale = true;
         }
     }
-    if (t.frames >= options.learn_frames) t.learning.reset();
   }
+  judge_resumed();
+  for (auto& [key, t] : tiles)
+    if (t.learning && t.frames >= options.learn_frames) {
+      t.learning.reset();
+      t.resumed = false;
+    }
   return any;
+}
+
+// Once: what was resumed and shows something else than the camera is dropped where live frames have
+// not said better.
+void PlateBuilder::State::judge_resumed() {
+  if (resumed_apart || resumed.pixels < kEnoughTold) return;
+  resumed_apart = static_cast<double>(resumed.apart) / resumed.pixels;
+  if (*resumed_apart <= 0.5) return;
+  std::erase_if(
+      tiles, [](const auto& entry) { return entry.second.resumed && entry.second.sampled_at < 0; });
+  std::vector<std::uint8_t> prefer(static_cast<std::size_t>(kSize) * kSize, 0);
+  for (auto& [key, t] : tiles) {
+    if (!t.resumed) continue;
+    image::PlateTile live;
+    t.learning->median(prefer, options.noise_codes, live);
+    keep_live_only(live, t.tile);
+    t.resumed = false;
+    t.changed = t.stale = true;
+  }
 }
 
 // Tiles whose running mean left what is published.
@@ -211,7 +219,7 @@ void PlateBuilder::State::find_stale() {
     const auto published =
         current ? current->tiles.find(key) : decltype(current->tiles.find(key)){};
     t.stale = t.stale || !current || published == current->tiles.end() ||
-              differs(published->second, t.tile);
+              differs(*published->second, t.tile);
     t.changed = false;
   }
 }
@@ -258,100 +266,6 @@ void PlateBuilder::State::fit_seeds(bool learnt) {
   fitted_at = version;
 }
 
-void PlateBuilder::State::fill(const image::PlateTileKey& key, const TileState& t,
-                               image::PlateTile& out) const {
-  // The holes, and whether paint is among them.
-  int left = kSize, top = kSize, right = -1, bottom = -1;
-  bool on_paint = false;
-  const auto hole = [&](int x, int y) {
-    return out.count(x, y) == 0 && t.seen[tile_index(x, y)] && (t.zones[wide_index(x, y)] & kTurf);
-  };
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
-      if (!hole(x, y)) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      top = std::min(top, y);
-      bottom = y;
-      on_paint = on_paint || (t.zones[wide_index(x, y)] & kPaintCore);
-    }
-  if (right < 0) return;
-
-  const Area area{left - kFillReach, top - kFillReach,
-                  std::max(right - left, bottom - top) + 1 + 2 * kFillReach};
-  HoleColours grass(area);
-  HoleColours paint(on_paint ? area : Area{});
-  ChromaSpread spread;
-  for (int row = -1; row <= 1; ++row)
-    for (int column = -1; column <= 1; ++column) {
-      const auto found = tiles.find({key.column + column, key.row + row});
-      if (found == tiles.end() || found->second.tile.count.empty()) continue;
-      const TileState& from = found->second;
-      const int x0 = std::max(0, area.x - column * kSize);
-      const int x1 = std::min(kSize, area.x + area.side - column * kSize);
-      const int y0 = std::max(0, area.y - row * kSize);
-      const int y1 = std::min(kSize, area.y + area.side - row * kSize);
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-          if (from.tile.count(x, y) == 0) continue;
-          const std::uint8_t zone = from.zones[wide_index(x, y)];
-          HoleColours* into = zone == kTurf                     ? &grass
-                              : on_paint && (zone & kPaintCore) ? &paint
-                                                                : nullptr;
-          if (!into) continue;
-          const float luma = from.tile.mean[0](x, y);
-          const float cb = from.tile.mean[1](x, y);
-          const float cr = from.tile.mean[2](x, y);
-          into->add(x + column * kSize, y + row * kSize, luma, cb, cr);
-          if (into == &grass && (x & y & 1)) spread.add(luma, cb, cr);
-        }
-    }
-  if (!grass.spread()) return;
-  const bool painted = on_paint && paint.spread();
-  // Turf's chroma is known far better than its luma.
-  const auto chroma = spread.deviations();
-  const double most = 16 * options.filled_codes;
-  const auto of_chroma = [&](double deviation) {
-    return std::clamp(kChromaDoubt * deviation, std::min(16 * options.noise_codes, most), most);
-  };
-  const std::array<double, 3> deviation{most, of_chroma(chroma[0]), of_chroma(chroma[1])};
-  const auto bare_ground = bare_regions(t.doubted, t.seen);
-  const double bare = 16 * std::max(options.filled_codes, options.bare_codes);
-  for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) {
-      if (!hole(x, y)) continue;
-      const bool core = t.zones[wide_index(x, y)] & kPaintCore;
-      const bool maybe_bare = bare_ground[tile_index(x, y)] != 0;
-      const auto colour = (painted && core ? paint : grass).at(x, y);
-      for (std::size_t c = 0; c < 3; ++c) {
-        out.mean[c](x, y) = static_cast<std::uint16_t>(colour[c]);
-        out.deviation[c](x, y) = static_cast<std::uint16_t>(maybe_bare ? bare : deviation[c]);
-      }
-      out.count(x, y) = 1;
-    }
-}
-
-// A version that nobody holds any more becomes the next one; else its tiles are copied.
-image::PlateSnapshot& PlateBuilder::State::next_snapshot() {
-  const std::uint32_t version = current ? current->version + 1 : options.first_version;
-  if (!current || current.use_count() > 1) {
-    auto next = std::make_shared<image::PlateSnapshot>(sphere);
-    if (current) {
-      for (const auto& [key, tile] : current->tiles) {
-        const auto t = tiles.find(key);
-        if (t != tiles.end() && !t->second.stale) next->tiles.emplace(key, tile);
-      }
-    }
-    current = std::move(next);
-  } else {
-    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release
-    std::erase_if(current->tiles, [&](const auto& entry) { return !tiles.contains(entry.first); });
-    current->colour = sphere.colour;
-  }
-  current->version = version;
-  return *current;
-}
-
 PlateBuilder::PlateBuilder(const pitch::PitchModel& pitch, const Eigen::Vector3d& centre_in_world,
                            double radians_per_px, const PlateOptions& options)
     : state_(std::make_unique<State>()) {
@@ -365,6 +279,37 @@ PlateBuilder::PlateBuilder(PlateBuilder&&) noexcept = default;
 PlateBuilder& PlateBuilder::operator=(PlateBuilder&&) noexcept = default;
 
 int PlateBuilder::frames() const { return state_->frames; }
+
+std::optional<double> PlateBuilder::resumed_apart() const { return state_->resumed_apart; }
+
+base::Status PlateBuilder::resume(const image::PlateSnapshot& saved, double most_moved_m) {
+  State& s = *state_;
+  const auto refused = [](std::string what) {
+    return base::fail(base::ErrorKind::kArgument, "saved plate", std::move(what));
+  };
+  if (s.frames > 0 || !s.tiles.empty()) return refused("the plate was begun already");
+  if (saved.radians_per_px != s.sphere.radians_per_px)
+    return refused(
+        fmt::format("{} radians a pixel, not {}", saved.radians_per_px, s.sphere.radians_per_px));
+  const double moved = (saved.centre_in_world - s.sphere.centre_in_world).norm();
+  if (!(moved <= most_moved_m))
+    return refused(
+        fmt::format("of a camera {:.2f} m from here, more than {:.2f} m", moved, most_moved_m));
+  auto first = std::make_shared<image::PlateSnapshot>(s.sphere);
+  s.sphere.colour = first->colour = saved.colour;
+  first->version = std::max(s.options.first_version, saved.version + 1);
+  for (const auto& [key, tile] : saved.tiles) {
+    if (tile->count.width() != kSize || tile->count.height() != kSize) continue;
+    if (static_cast<int>(first->tiles.size()) >= s.options.max_tiles) break;
+    first->tiles.emplace(key, tile);
+    TileState& t = s.tile(key);
+    t.tile = with_less_trust(*tile, s.options.resumed_frames);
+    t.resumed = true;
+    for (std::size_t i = 0; i < t.seen.size(); ++i) t.seen[i] = t.tile.count.data()[i] > 0;
+  }
+  s.current = std::move(first);
+  return {};
+}
 
 void PlateBuilder::seed(const image::Frame& still, const geometry::CameraEstimate& estimate) {
   if (estimate.lost() || still.width() != estimate.model.width ||
@@ -430,15 +375,20 @@ std::shared_ptr<const image::PlateSnapshot> PlateBuilder::snapshot(bool fresh) {
   });
   if (s.current && !dropped && !stale) return s.current;
 
-  image::PlateSnapshot& next = s.next_snapshot();
+  auto next = std::make_shared<image::PlateSnapshot>(s.sphere);
+  next->version = s.current ? s.current->version + 1 : s.options.first_version;
+  if (s.current) next->tiles = s.current->tiles;
+  if (dropped)
+    std::erase_if(next->tiles, [&](const auto& entry) { return !s.tiles.contains(entry.first); });
   for (auto& [key, t] : s.tiles) {
     if (!t.stale || t.tile.count.empty()) continue;
-    image::PlateTile& out = next.tiles[key];
-    out = t.tile;
+    image::PlateTile out = t.tile;
     if (s.fitted && !t.seed.empty()) blend_seed(t.seed, t.zones, s.fit, s.turf, s.blend, out);
-    s.fill(key, t, out);
+    fill_holes(s.tiles, key, s.options, out);
+    next->tiles.insert_or_assign(key, std::move(out));
     t.stale = false;
   }
+  s.current = std::move(next);
   return s.current;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "shared/base/result.h"
 #include "shared/geometry/camera_estimate.h"
@@ -28,6 +29,7 @@ struct PlateOptions {
   double line_tolerance_m = 0.08;   // a painted line may lie this far beside the model; 0..0.5
   double line_tolerance_px = 2.0;   // and this far in plate pixels; 0..10
   double occluder_margin_px = 3.0;  // margin round goal frames and nets, plate pixels; 0..20
+  int resumed_frames = 4;           // frames that a saved plate counts for; 2..255
   std::uint32_t first_version = 1;  // of the first snapshot: a plate in place of another counts on
   int max_tiles = 300;  // the oldest are dropped beyond; a tile takes 2 to 5 MB; 8..4096
 
@@ -50,6 +52,17 @@ class PlateBuilder {
   PlateBuilder(PlateBuilder&&) noexcept;
   PlateBuilder& operator=(PlateBuilder&&) noexcept;
 
+  // Before the first frame: goes on from what was learnt earlier of the same camera in the same
+  // place, at the scale and colour of this plate; a later version of it is the first one here. It
+  // is what the plate shows where live frames do not say otherwise: four of them that agree win
+  // over it, and it goes with their light. kArgument where scale or colour are others, or the
+  // centre lies farther away than `most_moved_m`.
+  base::Status resume(const image::PlateSnapshot& saved, double most_moved_m);
+  // Of the pixels that live frames have told so far, how many look another way than in the plate
+  // that was resumed, whatever the light; nothing until enough of them are told, or without one.
+  // What live frames have not told is forgotten when that is more than half.
+  std::optional<double> resumed_apart() const;
+
   // A survey still: its turf gives the mean where the video never shows it, after an affine colour
   // fit to the video. Seats, hoardings and people of stills are not used. Nothing if lost.
   void seed(const image::Frame& still, const geometry::CameraEstimate& estimate);
@@ -59,8 +72,8 @@ class PlateBuilder {
 
   // The plate so far. The same object as before until enough frames came in (PlateOptions), or
   // `fresh` asks for all there is, as at the end of the hold-back, and unless they tell anything
-  // new. Tiles without news are those of the version before, byte by byte. Call it from the thread
-  // that add() is called from; a version stays as it is for as long as somebody holds it.
+  // new. Tiles without news are those of the version before (SharedPlateTile::is). A version never
+  // changes.
   std::shared_ptr<const image::PlateSnapshot> snapshot(bool fresh = false);
 
   int frames() const;  // live frames taken in

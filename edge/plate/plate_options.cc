@@ -20,6 +20,7 @@ PlateOptions PlateOptions::bounded() const {
   o.line_tolerance_m = std::clamp(o.line_tolerance_m, 0.0, 0.5);
   o.line_tolerance_px = std::clamp(o.line_tolerance_px, 0.0, 10.0);
   o.occluder_margin_px = std::clamp(o.occluder_margin_px, 0.0, 20.0);
+  o.resumed_frames = std::clamp(o.resumed_frames, 2, 255);
   o.max_tiles = std::clamp(o.max_tiles, 8, 4096);
   return o;
 }
@@ -37,6 +38,7 @@ base::Status PlateOptions::validate() const {
                         base::in_bounds("line_tolerance_m", line_tolerance_m, 0.0, 0.5),
                         base::in_bounds("line_tolerance_px", line_tolerance_px, 0.0, 10.0),
                         base::in_bounds("occluder_margin_px", occluder_margin_px, 0.0, 20.0),
+                        base::in_bounds("resumed_frames", resumed_frames, 2, 255),
                         base::in_bounds("max_tiles", max_tiles, 8, 4096)})
     if (!s) return s;
   return {};

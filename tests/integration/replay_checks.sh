@@ -36,6 +36,23 @@ check_repeat() {
   [ "$(find "$work/e1/r" -name '*.png' | wc -l)" = 2 ] || wrong "two rows of the path did not make two pictures"
 }
 
+# A plate goes from one run to the next; one that is damaged is named, and the run is complete without it.
+check_plates() {
+  replay "$recording" "$work/s1" --camera f1 --plates "$work/plates" > "$work/out" 2>&1 || wrong "the first run ended with $?"
+  [ -s "$work/plates/f1.plate" ] || wrong "no plate was saved"
+  grep -q 'plate goes on' "$work/out" && wrong "the first run went on from a plate"
+  replay "$recording" "$work/s2" --camera f1 --plates "$work/plates" > "$work/out" 2>&1 || wrong "the second run ended with $?"
+  says 'plate goes on from' < "$work/out" || wrong "the second run did not go on from the plate"
+  printf x | dd of="$work/plates/f1.plate" bs=1 seek=40 conv=notrunc 2>/dev/null
+  replay "$recording" "$work/s3" --camera f1 --plates "$work/plates" > "$work/out" 2>&1 || wrong "the third run ended with $?"
+  says 'saved plate not used.*header' < "$work/out" || wrong "the damaged plate is not named"
+  # A disk that does not write stops nothing.
+  mkdir -p "$work/plates/f1.plate.part/in-the-way"
+  replay "$recording" "$work/s4" --camera f1 --plates "$work/plates" > "$work/out" 2>&1 || wrong "the fourth run ended with $?"
+  says 'f1.plate.*cannot be written' < "$work/out" || wrong "the disk that does not write is not named"
+  [ "$(frames_of "$work/s4" f1)" = "$(frames_in "$recording" f1)" ] || wrong "f1 is not complete"
+}
+
 # An edge that is killed is named; the others are complete.
 check_killed_edge() {
   "$root/tools/replay" "$recording" "$work/s" --camera f1 --camera m2 --bin "$bin" > "$work/out" 2>&1 &

@@ -29,6 +29,7 @@ TEST(EdgeConfig, TheFileForInstallersShowsTheDefaults) {
   EXPECT_EQ(shown->link.message_bytes, built_in.link.message_bytes);
   EXPECT_EQ(shown->hub_timeout_s, built_in.hub_timeout_s);
   EXPECT_EQ(shown->chain.hold_back_s, built_in.chain.hold_back_s);
+  EXPECT_EQ(shown->chain.plate_file.save_frames, built_in.chain.plate_file.save_frames);
   EXPECT_EQ(shown->chain.plate.update_rate, built_in.chain.plate.update_rate);
   EXPECT_EQ(shown->chain.key.weak_sigma, built_in.chain.key.weak_sigma);
   EXPECT_EQ(shown->chain.key.strong_sigma, built_in.chain.key.strong_sigma);

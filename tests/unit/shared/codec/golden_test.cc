@@ -12,6 +12,7 @@
 #include "shared/codec/matte_codec.h"
 #include "shared/codec/partial_codec.h"
 #include "shared/codec/plate_codec.h"
+#include "shared/codec/plate_file.h"
 #include "shared/codec/tile_codec.h"
 #include "tests/unit/shared/codec/sample_views.h"
 
@@ -78,6 +79,28 @@ TEST(Golden, PlateTileVersion1) {
   const auto back = decode_plate_tile(golden("plate-tile-1.bin", *bytes), 1, {});
   ASSERT_TRUE(back);
   EXPECT_EQ(back->tile.count, tile.count);
+}
+
+TEST(Golden, PlateFileVersion1) {
+  SavedPlate saved;
+  saved.camera.value = "m1";
+  saved.width = 1920;
+  saved.height = 1080;
+  saved.frames = 50;
+  saved.plate.version = 3;
+  saved.plate.radians_per_px = 0.0005;
+  saved.plate.centre_in_world = {1, -60, 18};
+  image::PlateTile tile = samples::plate_tile(11);
+  for (auto& plane : tile.deviation)
+    for (std::size_t i = 0; i < plane.size(); ++i)
+      plane.data()[i] = static_cast<std::uint16_t>(48 + i % 7);
+  saved.plate.tiles[{-1, 2}] = std::move(tile);
+  const auto bytes = encode_plate_file(saved);
+  ASSERT_TRUE(bytes);
+  expect_same("plate-file-1.bin", *bytes);
+  const auto back = decode_plate_file(golden("plate-file-1.bin", *bytes), {});
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->saved == saved);
 }
 
 }  // namespace
