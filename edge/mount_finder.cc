@@ -21,6 +21,7 @@ constexpr double kWidthOff = 7;
 constexpr double kMostCrown = 0.6;
 constexpr double kAnySize = 100;  // metres: a size that is not held against the lines
 constexpr double kMostSizesWait_s = 60;
+constexpr double kStretchHz = 25;      // frames a second that a close-up is found from
 constexpr int kTakePasses = 4;         // over the held frames, for the survey of a take
 constexpr double kTakeMisfitPx = 0.3;  // rms of a mount's lines at 1080 lines, to look for a better
 constexpr double kTakeMisfit = 1.3;    // and so much more than the better one's
@@ -81,6 +82,12 @@ base::Status MountOptions::validate() const {
     return base::out_of_bounds("retry_s", retry_s, "in 0.1..3600");
   if (fixed_frames < 1 || fixed_frames > 64)
     return base::out_of_bounds("fixed_frames", fixed_frames, "in 1..64");
+  if (!(stretch_s >= 0.2 && stretch_s <= 10))
+    return base::out_of_bounds("stretch_s", stretch_s, "in 0.2..10");
+  if (stretch_mib < 16 || stretch_mib > 65536)
+    return base::out_of_bounds("stretch_mib", stretch_mib, "in 16..65536");
+  if (!(most_stretch_wait_s >= 0.1 && most_stretch_wait_s <= 3600))
+    return base::out_of_bounds("most_stretch_wait_s", most_stretch_wait_s, "in 0.1..3600");
   for (const base::Status& part : {survey.validate(), take.validate(), calibrate.validate(),
                                    closeup.validate(), search.validate()}) {
     if (!part) return part;
@@ -107,7 +114,8 @@ MountFinder::MountFinder(const ChainSetup& setup, const MountOptions& options,
   options_.search.calibrate = options_.calibrate;
 }
 
-std::unique_ptr<calibrate::Calibrator> MountFinder::make_calibrator() const {
+std::unique_ptr<calibrate::Calibrator> MountFinder::make_calibrator() {
+  if (follower_) return std::move(follower_);
   return mount_ ? calibrator_of(setup_, options_.calibrate, pitch_, *mount_, initial_) : nullptr;
 }
 
@@ -281,24 +289,78 @@ bool MountFinder::from_take(std::span<const image::FramePtr> pictures) {
 
 void MountFinder::from_held(std::span<const image::FramePtr> held) {
   if (mount_ || stills_failed_ || held.empty()) return;
+  if (setup_.kind == HeadKind::kCloseup) {
+    survey_stretch({held.begin(), held.end()});
+    auto found = arrived();
+    if (!found) return note("not calibrated yet: the close-up's first frames are being surveyed");
+    if (!*found->closeup)
+      return note("not calibrated: " + base::to_string(found->closeup->error()));
+    if (const auto& first = (*found->closeup)->first; !first.lost()) initial_ = first;
+    return adopt(std::move(**found->closeup));
+  }
   const StageTimer timer(time_);
-  if (setup_.kind == HeadKind::kCloseup) return adopt_closeup(held);
   adopt_first(first_mount(setup_, options_, pitch_, held));
   follow_held(held);
 }
 
-// A close-up stands on all its held frames or on none.
-void MountFinder::adopt_closeup(std::span<const image::FramePtr> held) {
-  auto found = calibrate::survey_closeup(held, pitch_, setup_.side, options_.closeup);
-  if (!found) return note("not calibrated: " + base::to_string(found.error()));
-  adopt(found->take);
-  note_take(found->take);
-  if (!found->first.lost()) initial_ = std::move(found->first);
+// A close-up stands on all frames of a stretch or on none.
+void MountFinder::survey_stretch(std::vector<image::FramePtr> frames) {
+  stretch_wait_s_ =
+      std::max(options_.retry_s, std::min(2 * stretch_wait_s_, options_.most_stretch_wait_s));
+  frames_since_survey_ = 0;
+  start([setup = setup_, options = options_, pitch = pitch_,
+         frames = std::move(frames)](Found& found) {
+    found.closeup = calibrate::survey_closeup(frames, pitch, setup.side, options.closeup);
+    if (!*found.closeup) return;
+    const calibrate::CloseupSurvey& survey = **found.closeup;
+    std::optional<geometry::CameraEstimate> first;
+    if (!survey.first.lost()) first = survey.first;
+    found.follower =
+        calibrator_of(setup, options.calibrate, survey.take.pitch, survey.take.mount, first);
+    for (const image::FramePtr& frame : frames) found.follower->process(*frame);
+  });
+}
+
+void MountFinder::adopt(calibrate::CloseupSurvey survey) {
+  adopt(survey.take);
+  note_take(survey.take);
   take_.emplace(pitch_, *mount_, options_.closeup.views());
 }
 
+// The head may have come to show more: its newest frames are tried, ever more rarely.
+MountFinder::Change MountFinder::retry_closeup(const image::FramePtr& frame) {
+  ++frames_since_survey_;
+  const double rate = setup_.rate.hz();
+  const auto stride = std::max<std::uint64_t>(1, std::llround(rate / kStretchHz));
+  if (!work_.valid() && frames_since_survey_ % stride == 0) {
+    std::uint64_t bytes = 0;
+    for (const auto& plane : frame->planes) bytes += plane.size() * sizeof(std::uint16_t);
+    const auto full = static_cast<std::size_t>(
+        std::max(2.0, std::min(options_.stretch_s * rate / static_cast<double>(stride),
+                               options_.stretch_mib * 1048576.0 / static_cast<double>(bytes + 1))));
+    stretch_.push_back(frame);
+    if (stretch_.size() > full) stretch_.pop_front();
+    if (stretch_.size() == full &&
+        static_cast<double>(frames_since_survey_) >= stretch_wait_s_ * rate) {
+      survey_stretch({stretch_.begin(), stretch_.end()});
+      stretch_.clear();
+    }
+  }
+  auto found = arrived();
+  if (!found || !found->closeup) return Change::kNone;
+  if (!*found->closeup) {
+    note("not calibrated: " + base::to_string(found->closeup->error()));
+    return Change::kNone;
+  }
+  adopt(std::move(**found->closeup));
+  follower_ = std::move(found->follower);
+  stretch_.clear();
+  return Change::kMount;
+}
+
 MountFinder::Change MountFinder::retry(const image::FramePtr& frame) {
-  if (mount_ || stills_failed_ || setup_.kind == HeadKind::kCloseup) return Change::kNone;
+  if (mount_ || stills_failed_) return Change::kNone;
+  if (setup_.kind == HeadKind::kCloseup) return retry_closeup(frame);
   const bool waited =
       static_cast<double>(++frames_since_survey_) >= options_.retry_s * setup_.rate.hz();
   const bool started = waited && !work_.valid();
@@ -333,6 +395,7 @@ void MountFinder::look_for_sizes(const image::FramePtr& frame) {
 
 MountFinder::Change MountFinder::follow(const image::FramePtr& frame,
                                         const geometry::CameraEstimate& estimate) {
+  if (!mount_) return Change::kNone;
   std::optional<Found> found = arrived();  // of earlier frames
   const bool late = found.has_value();
   bool news = late;

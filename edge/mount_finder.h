@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
@@ -32,6 +33,11 @@ namespace touchline::edge {
 struct MountOptions {
   double retry_s = 2;    // a camera that could not be solved is tried again; 0.1..3600
   int fixed_frames = 6;  // of the hold-back, how many a fixed camera is solved from; 1..64
+  // A close-up that could not be solved is tried again from its newest frames: over how long, and
+  // how much memory they may take, MiB. The pause before it doubles with every attempt.
+  double stretch_s = 2;             // 0.2..10
+  int stretch_mib = 560;            // 16..65536
+  double most_stretch_wait_s = 30;  // 0.1..3600
   calibrate::SurveyOptions survey;
   calibrate::TakeSurveyOptions take;  // its survey options are those above
   calibrate::CalibrateOptions calibrate;
@@ -60,8 +66,9 @@ class MountFinder {
   // Nothing until a survey succeeded.
   const std::optional<geometry::Mount>& mount() const { return mount_; }
   const pitch::PitchModel& pitch() const { return pitch_; }
-  // Follows frames from the next one on; nothing without a mount.
-  std::unique_ptr<calibrate::Calibrator> make_calibrator() const;
+  // Follows frames from the next one on; nothing without a mount. For a close-up that was found
+  // late, one that remembers what the frames it was found in look like.
+  std::unique_ptr<calibrate::Calibrator> make_calibrator();
 
   // Compensated survey stills of a head. The cameras of those that were solved, in their order;
   // empty when the survey failed, and then frames are not surveyed either.
@@ -70,7 +77,7 @@ class MountFinder {
   // a head without survey stills. True when the mount was found in them.
   bool from_take(std::span<const image::FramePtr> pictures);
   // The compensated frames of the hold-back, from the first. Does nothing once the mount is known,
-  // nor after from_stills.
+  // nor after from_stills. A close-up's may be found some frames later.
   void from_held(std::span<const image::FramePtr> held);
   // A running frame before it is calibrated: a camera that showed no pitch at first (a cap, a test
   // card) is tried again now and then.
@@ -96,6 +103,9 @@ class MountFinder {
   // What comes back from the executor.
   struct Found {
     std::optional<FirstMount> first;
+    std::optional<base::Result<calibrate::CloseupSurvey>> closeup;
+    std::unique_ptr<calibrate::Calibrator>
+        follower;                               // has seen the frames the close-up was found in
     std::optional<calibrate::TakeSurvey> take;  // which was lent to the work
     std::optional<calibrate::TakeSurveyResult> joint;
     std::optional<geometry::CameraEstimate> resized;
@@ -112,7 +122,9 @@ class MountFinder {
   void adopt(const calibrate::SurveyResult& result);
   void adopt(const calibrate::TakeSurveyResult& result);
   void adopt_first(FirstMount first);
-  void adopt_closeup(std::span<const image::FramePtr> held);
+  void survey_stretch(std::vector<image::FramePtr> frames);
+  void adopt(calibrate::CloseupSurvey survey);
+  Change retry_closeup(const image::FramePtr& frame);
   void follow_held(std::span<const image::FramePtr> held);
   void look_for_sizes(const image::FramePtr& frame);
   void note(std::string text) { notes_.push_back(std::move(text)); }
@@ -127,7 +139,10 @@ class MountFinder {
   std::optional<calibrate::TakeSurvey> take_;          // of a head without survey stills
   std::optional<calibrate::TakeSurveyResult> better_;  // found while running, not adopted yet
   std::future<Found> work_;
-  int sizes_wait_ = 1;          // frames, after the next look for them
+  std::unique_ptr<calibrate::Calibrator> follower_;  // the next calibrator, where there is one
+  std::deque<image::FramePtr> stretch_;              // the newest frames of an unsolved close-up
+  double stretch_wait_s_ = 0;                        // before the next attempt
+  int sizes_wait_ = 1;                               // frames, after the next look for them
   int frames_until_sizes_ = 0;  // of lost frames, until the pitch's sizes are looked for again
   bool stills_failed_ = false;
   std::uint64_t frames_since_survey_ = 0;

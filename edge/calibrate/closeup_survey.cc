@@ -181,6 +181,7 @@ base::Result<CloseupSurvey> survey_closeup(std::span<const image::FramePtr> fram
   const SurveyOptions survey = of_picture(options);
   std::vector<Solved> solved;
   std::string why = "one picture alone does not tell the place";
+  bool turned = false;
   for (const std::size_t i : order(frames.size(), options.pictures)) {
     auto found = survey_fixed(std::span(frames[i].get(), 1), pitch, side, survey);
     if (!found) {
@@ -189,7 +190,9 @@ base::Result<CloseupSurvey> survey_closeup(std::span<const image::FramePtr> fram
     }
     const Solved now{i, std::move(found->mount), std::move(found->stills.front())};
     for (const Solved& other : solved) {
-      if (!looks_elsewhere(now, other) || !agree(now, other, options)) continue;
+      if (!looks_elsewhere(now, other)) continue;
+      turned = true;
+      if (!agree(now, other, options)) continue;
       const auto variance = [](const Solved& s) {
         return s.mount.covariance.topLeftCorner<3, 3>().trace();
       };
@@ -199,7 +202,10 @@ base::Result<CloseupSurvey> survey_closeup(std::span<const image::FramePtr> fram
     }
     solved.push_back(now);
   }
-  if (solved.size() > 1)
+  if (solved.size() > 1 && !turned)
+    why = fmt::format("{} pictures tell a place, but the head turned by less than {:.0f} % of one",
+                      solved.size(), 100 * kNewViews);
+  else if (solved.size() > 1)
     why = "pictures that were solved by themselves disagree on the place, or: " + why;
   return base::fail(no_place(std::move(why)));
 }

@@ -6,6 +6,7 @@
 #include "edge/edge_config.h"
 #include "shared/recording/recording.h"
 #include "shared/recording/video_reader.h"
+#include "tests/unit/edge/calibrate/closeup_take.h"
 
 namespace touchline::edge {
 namespace {
@@ -82,6 +83,62 @@ TEST(MountFinder, FramesGoOnWhileTheWorkIsUnderWayAndTheMountIsAdoptedAtAFrame) 
   ASSERT_TRUE(finder.mount().has_value());
   EXPECT_EQ(finder.mount()->position_in_world, expected.mount()->position_in_world);
   EXPECT_EQ(finder.take_notes(), expected.take_notes());
+}
+
+ChainSetup closeup_setup() {
+  ChainSetup setup;
+  setup.camera = base::CameraId{"c1"};
+  setup.kind = HeadKind::kCloseup;
+  setup.sizes = {105, 68, {}, 0.25, {}};
+  setup.rate = {25, 1};
+  return setup;
+}
+
+// Every half second a stretch of half a second.
+MountOptions eager_closeup() {
+  MountOptions options;
+  options.retry_s = options.stretch_s = options.most_stretch_wait_s = 0.48;
+  return options;
+}
+
+TEST(MountFinder, ACloseupThatShowsMoreLaterIsFoundThenAtOnceWithAnInlineExecutor) {
+  const auto blind = calibrate::closeup_take(0, 2);
+  const auto seen = calibrate::closeup_take(9, 14);
+  runtime::InlineExecutor executor;
+  MountFinder finder(closeup_setup(), eager_closeup(), seen.pitch, executor);
+  finder.from_held(blind.frames);
+  EXPECT_FALSE(finder.mount().has_value());
+  std::size_t k = 0;
+  while (k < seen.frames.size() && finder.retry(seen.frames[k]) == MountFinder::Change::kNone) ++k;
+  ASSERT_LT(k, seen.frames.size());
+  ASSERT_TRUE(finder.mount().has_value());
+  EXPECT_LT((finder.mount()->position_in_world - seen.mount.position_in_world).norm(), 0.3);
+  const auto calibrator = finder.make_calibrator();
+  EXPECT_FALSE(calibrator->process(*seen.frames[k]).estimate.lost());
+  EXPECT_EQ(finder.retry(seen.frames[k]), MountFinder::Change::kNone);
+}
+
+TEST(MountFinder, ACloseupIsNotHeldUpWhileItIsSurveyed) {
+  const auto seen = calibrate::closeup_take(9, 12);
+  runtime::InlineExecutor at_once;
+  MountFinder expected(closeup_setup(), eager_closeup(), seen.pitch, at_once);
+  expected.from_held(seen.frames);
+  ASSERT_TRUE(expected.mount().has_value());
+  Later executor;
+  MountFinder finder(closeup_setup(), eager_closeup(), seen.pitch, executor);
+  finder.from_held(seen.frames);
+  EXPECT_FALSE(finder.mount().has_value());
+  for (int k = 0; k < 30; ++k) {
+    EXPECT_EQ(finder.retry(seen.frames.back()), MountFinder::Change::kNone);
+    EXPECT_EQ(finder.follow(seen.frames.back(), {}), MountFinder::Change::kNone);
+  }
+  EXPECT_EQ(executor.run(), 1U);  // one piece of work at a time
+  EXPECT_EQ(finder.follow(seen.frames.back(), {}), MountFinder::Change::kNone);
+  EXPECT_EQ(finder.retry(seen.frames.back()), MountFinder::Change::kMount);
+  ASSERT_TRUE(finder.mount().has_value());
+  EXPECT_EQ(finder.mount()->position_in_world, expected.mount()->position_in_world);
+  // It has seen the frames it was found in: the last of them is known again.
+  EXPECT_FALSE(finder.make_calibrator()->process(*seen.frames.back()).estimate.lost());
 }
 
 TEST(MountFinder, AnOptionOutOfItsBoundsIsNamed) {
