@@ -17,6 +17,7 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kRetrySpread = 4;          // how many times wider the second attempt looks
 constexpr double kContradictedPeriods = 4;  // until a registration that lines contradict is checked
+constexpr double kSteadyShare = 0.1;        // of a frame in the head's steady roll
 constexpr double kFixedRollSd = 0.02;       // degrees, of the roll a fixed camera was started with
 constexpr double kFoundFixedRollSd = 1.5;   // degrees, of a fixed camera found anew
 
@@ -64,6 +65,7 @@ struct Calibrator::State {
   bool known = false;                  // motion holds a pose worth predicting from
   double roll = 0;                     // last known, radians in the head's frame
   double roll_sd = 0;                  // radians; 0 = the fit's own prior
+  std::optional<double> steady_roll;   // of the head, by frames whose lines tell it, radians
   double time = 0;                     // of the last frame, seconds
   double last_seen = 0;                // when lines or texture last confirmed the pose
   double next_search = -1e300;
@@ -134,6 +136,8 @@ struct Calibrator::State {
     by_mount = estimate.covariance - fit.frame_covariance;
     if (!options.fixed) learn(frame, estimate, fit.frame_covariance);
     roll = pose.roll;
+    if (open_px(fit) <= options.helped_lines_px)
+      steady_roll = steady_roll ? *steady_roll + kSteadyShare * (roll - *steady_roll) : roll;
     if (options.fixed) roll_sd = kFixedRollSd * kRadians;
     last_seen = time;
     known = true;
@@ -150,14 +154,16 @@ struct Calibrator::State {
     return true;
   }
 
-  // True when the lines alone tell the picture badly.
-  bool weak(const PoseFit& fit) const {
+  // What the lines alone leave open, pixels at 1080 lines.
+  double open_px(const PoseFit& fit) const {
     const geometry::Mount& mount = tracker.mount();
     const double focal = fit.result.estimate.model.fx;
     const double corner = 0.5 * std::hypot(mount.width, mount.height);
     return std::max({focal * fit.lines_sd_pan, focal * fit.lines_sd_tilt,
-                     corner * fit.lines_sd_log_focal}) > options.weak_lines_px * scale();
+                     corner * fit.lines_sd_log_focal}) /
+           scale();
   }
+  bool weak(const PoseFit& fit) const { return open_px(fit) > options.weak_lines_px; }
 
   // True when lines that do not tell the camera by themselves agree with what was known of it.
   bool helps(const PoseFit& fit) const {
@@ -189,7 +195,22 @@ struct Calibrator::State {
     return stand_on(frame, found);
   }
 
-  state::TrackResult stand_on(const image::Frame& frame, const Registration& found) {
+  // Every view that another vouches for adds to the roll's error, which turns all that follows; the
+  // head's own roll hardly changes.
+  void level(geometry::CameraEstimate& camera) const {
+    if (!steady_roll) return;
+    geometry::HeadPose pose = head_pose(tracker.mount(), camera);
+    const double variance = std::pow(options.head_roll_sd_deg * kRadians, 2);
+    const double share = camera.covariance(2, 2) / (camera.covariance(2, 2) + variance);
+    pose.roll += share * (*steady_roll - pose.roll);
+    camera.cam_from_world = geometry::cam_from_world(tracker.mount(), pose);
+    camera.covariance.row(2) *= 1 - share;
+    camera.covariance.col(2) *= 1 - share;
+    camera.covariance(2, 2) += share * share * variance;
+  }
+
+  state::TrackResult stand_on(const image::Frame& frame, Registration found) {
+    level(found.result.estimate);
     geometry::CameraEstimate near = found.result.estimate;
     // The views share an error of roll that their patches do not tell. Few lines would be made to
     // fit by turning the head instead.
@@ -234,7 +255,7 @@ struct Calibrator::State {
       return held;
     }
     std::string by_lines = fit.result.report.stopped_because;
-    if (!options.fixed && (fit.result.estimate.lost() || weak(fit))) {
+    if (!options.fixed && (fit.result.estimate.lost() || open_px(fit) > options.helped_lines_px)) {
       if (texture.views() == 0) learn_first(frame, fit);
       if (auto result = by_texture(frame, reason)) return checked(frame, *std::move(result));
       by_lines += "; " + reason;
@@ -335,7 +356,7 @@ base::Status CalibrateOptions::validate() const {
   if (const auto status = line_map.validate(); !status) return status;
   if (const auto status = initialise.validate(); !status) return status;
   if (const auto status = texture.validate(); !status) return status;
-  const std::array<std::pair<const char*, double>, 12> positive{
+  const std::array<std::pair<const char*, double>, 14> positive{
       {{"pan_acceleration_deg", pan_acceleration_deg},
        {"tilt_acceleration_deg", tilt_acceleration_deg},
        {"log_focal_acceleration", log_focal_acceleration},
@@ -346,7 +367,9 @@ base::Status CalibrateOptions::validate() const {
        {"initial_tilt_rate_deg", initial_tilt_rate_deg},
        {"initial_log_focal_rate", initial_log_focal_rate},
        {"explain_px", explain_px},
+       {"helped_lines_px", helped_lines_px},
        {"weak_lines_px", weak_lines_px},
+       {"head_roll_sd_deg", head_roll_sd_deg},
        {"least_helping_px", least_helping_px}}};
   for (const auto& [field, value] : positive)
     if (!(value > 0)) return base::out_of_bounds(field, value, "above 0");

@@ -45,9 +45,15 @@ struct CalibrateOptions {
   double least_explained = 0.6;   // share of the white ridges on the pitch that lie on markings
   double explain_px = 6;          // how near is on, pixels at 1080 lines
   int least_explain_points = 60;  // ridge points without which nothing is said
-  // Lines that tell the picture worse than this by themselves are helped by its texture;
-  // standard deviation in pixels at 1080 lines.
+  // Lines that tell the picture worse than this by themselves are helped by its texture: the last
+  // of them before a close-up must hand over a focal length that bears a long way without any.
+  // Standard deviation in pixels at 1080 lines.
+  double helped_lines_px = 0.15;
+  // And those worse than this do not say the camera: its evidence is then texture, with lines.
   double weak_lines_px = 2;
+  // A head rolls by no more than this from view to view: what keeps a picture level that only
+  // another picture vouches for. Standard deviation, degrees.
+  double head_roll_sd_deg = 0.006;
   int least_helping_points = 8;  // line points that help a registration by texture
   double least_helping_px = 60;  // length of line that does, pixels at 1080 lines
 

@@ -1,14 +1,18 @@
 // Calibration of a moving head by lines, stage by stage. Peers: OpenCV's Canny, probabilistic Hough
 // and LSD find line segments; with solvePnPRefineLM, which is given the right correspondences for
-// nothing, they make a tracker that would still have to say which segment is which marking.
+// nothing, they make a tracker that would still have to say which segment is which marking. Texture
+// is what a frame without lines takes: found again in the views kept of frames before. Its peer
+// follows corners from the frame before by Lucas and Kanade's flow and says no camera.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
 
 #include "edge/calibrate/calibrator.h"
 #include "edge/calibrate/initialise/hough_initialiser.h"
 #include "edge/calibrate/lines/line_map.h"
+#include "edge/calibrate/texture/plate_registration.h"
 #include "edge/calibrate/track/line_tracker.h"
 #include "edge/edge_config.h"
 #include "tests/bench/bench.h"
@@ -67,8 +71,8 @@ double error_px(Size size, const geometry::CameraEstimate& found) {
   return points.empty() ? 1e3 : std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-cv::Mat luma8(Size size) {
-  const image::Image<std::uint16_t>& luma = frame(size).planes[0];
+cv::Mat luma8(const image::Frame& from) {
+  const image::Image<std::uint16_t>& luma = from.planes[0];
   const cv::Mat full(luma.height(), luma.width(), CV_16UC1,
                      const_cast<std::uint16_t*>(luma.data()));
   cv::Mat out;
@@ -88,7 +92,7 @@ void track(benchmark::State& state, Size size) {
 }
 
 void canny_and_pnp(benchmark::State& state, Size size) {
-  const cv::Mat luma = luma8(size);
+  const cv::Mat luma = luma8(frame(size));
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   seen_points(size, points, pixels);
@@ -113,6 +117,37 @@ void canny_and_pnp(benchmark::State& state, Size size) {
   }
 }
 
+void register_texture(benchmark::State& state, Size size) {
+  const CameraFrames& shot = camera_frames(kHead, size);
+  calibrate::PlateRegistration registration(mount(kHead, size), {});
+  geometry::CameraEstimate known = shot.truth.front();
+  known.evidence = geometry::Evidence::kLines;
+  known.covariance(0, 0) = known.covariance(1, 1) = 1e-10;
+  registration.learn(*shot.frames.front(), known);
+  const image::Frame& next = *shot.frames.at(1);
+  const geometry::CameraEstimate prior = guess(size);
+  calibrate::Registration result;
+  state.counters["peak_mib"] = peak_mib([&] { result = registration.track(next, prior); });
+  if (result.lost()) return state.SkipWithError(result.result.report.stopped_because.c_str());
+  state.counters["patches"] = result.result.report.points;
+  for (auto _ : state) benchmark::DoNotOptimize(registration.track(next, prior));
+}
+
+void corner_flow(benchmark::State& state, Size size) {
+  const CameraFrames& shot = camera_frames(kHead, size);
+  const cv::Mat before = luma8(*shot.frames.front());
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(before, corners, 360, 0.001, 20);
+  for (auto _ : state) {
+    const cv::Mat now = luma8(*shot.frames.at(1));
+    std::vector<cv::Point2f> moved;
+    std::vector<unsigned char> found;
+    cv::calcOpticalFlowPyrLK(before, now, corners, moved, found, cv::noArray(), {11, 11}, 4);
+    cv::Mat similarity = cv::estimateAffinePartial2D(corners, moved);
+    benchmark::DoNotOptimize(similarity.data);
+  }
+}
+
 void map_lines(benchmark::State& state, Size size) {
   calibrate::LineMap map;
   state.counters["peak_mib"] =
@@ -124,7 +159,7 @@ void map_lines(benchmark::State& state, Size size) {
 }
 
 void canny(benchmark::State& state, Size size) {
-  const cv::Mat luma = luma8(size);
+  const cv::Mat luma = luma8(frame(size));
   for (auto _ : state) {
     cv::Mat edges;
     std::vector<cv::Vec4i> segments;
@@ -135,7 +170,7 @@ void canny(benchmark::State& state, Size size) {
 }
 
 void segments(benchmark::State& state, Size size) {
-  const cv::Mat luma = luma8(size);
+  const cv::Mat luma = luma8(frame(size));
   const auto detector = cv::createLineSegmentDetector();
   for (auto _ : state) {
     cv::Mat found;
@@ -179,6 +214,9 @@ void add_all() {
     add("track", kOurs, name(size), [=](auto& state) { track(state, size); });
     add("track", "OpenCV Canny, HoughLinesP, solvePnPRefineLM", name(size),
         [=](auto& state) { canny_and_pnp(state, size); });
+    add("texture", kOurs, name(size), [=](auto& state) { register_texture(state, size); });
+    add("texture", "OpenCV corners, calcOpticalFlowPyrLK", name(size),
+        [=](auto& state) { corner_flow(state, size); });
     add("line map", kOurs, name(size), [=](auto& state) { map_lines(state, size); });
     add("line map", "OpenCV Canny, HoughLinesP", name(size),
         [=](auto& state) { canny(state, size); });

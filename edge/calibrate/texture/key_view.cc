@@ -8,10 +8,11 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr int kCell = 14;    // pixels of level 1 a cell with at most one point
-constexpr int kMargin = 12;  // pixels of level 1 that a point keeps from the border
-constexpr int kReach = 3;    // half width of the window that texture is summed over
-constexpr int kGrid = 16;    // pixels of level 0 between directions that are worked out
+constexpr int kCell = 14;     // pixels of level 1 a cell with at most one point
+constexpr int kMargin = 12;   // pixels of level 1 that a point keeps from the border
+constexpr int kReach = 3;     // half width of the window that texture is summed over
+constexpr int kGrid = 16;     // pixels of level 0 between directions that are worked out
+constexpr double kFar = 100;  // metres, of what is not turf
 
 // The gradient's strength in its weakest direction over the window round (x, y); 0 at unknown ones.
 float weakest(const image::Image<std::uint16_t>& in, int x, int y) {
@@ -56,7 +57,7 @@ std::vector<KeyPoint> pick_points(const LumaPyramid& pyramid,
       if (best < static_cast<float>(least_texture)) continue;
       KeyPoint point;
       point.pixel = pyramid.in_picture(place, 1);
-      point.direction = geometry::ray_in_world(camera, point.pixel);
+      point.point_in_world = scene_point(camera, point.pixel);
       point.texture = best;
       points.push_back(point);
     }
@@ -113,6 +114,13 @@ class PlateReader {
 
 }  // namespace
 
+Eigen::Vector3d scene_point(const geometry::CameraEstimate& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d eye = geometry::position_in_world(camera);
+  const Eigen::Vector3d ray = geometry::ray_in_world(camera, pixel);
+  const bool turf = eye.z() > 0 && -ray.z() * kFar > eye.z();
+  return eye + (turf ? -eye.z() / ray.z() : kFar) * ray;
+}
+
 KeyView view_of_frame(const image::Frame& frame, const geometry::CameraEstimate& camera,
                       double least_texture) {
   KeyView view;
@@ -126,6 +134,8 @@ std::optional<KeyView> view_of_plate(const image::PlateSnapshot& plate,
                                      const geometry::CameraEstimate& camera, double least_texture,
                                      const PlateViewOptions& options) {
   if (plate.tiles.empty() || !(plate.radians_per_px > 0)) return std::nullopt;
+  const double plate_px = camera.model.fx * plate.radians_per_px;
+  if (plate_px > options.most_plate_px) return std::nullopt;
   const int shift = pyramid_shift(camera.model.width);
   const int scale = 1 << shift;
   image::Image<std::uint16_t> base(camera.model.width >> shift, camera.model.height >> shift);
@@ -179,6 +189,7 @@ std::optional<KeyView> view_of_plate(const image::PlateSnapshot& plate,
   view.camera.covariance.setZero();
   view.points = pick_points(view.pyramid, view.camera, least_texture);
   view.from_plate = true;
+  view.plate_px = std::max(1.0, plate_px);
   return view;
 }
 

@@ -34,10 +34,9 @@ constexpr double kRecoverReach = 0.12;  // of the picture's width
 
 struct PlateRegistration::State {
   State(geometry::Mount given, RegistrationOptions chosen)
-      : mount(std::move(given)), sphere(sphere_of(mount)), options(chosen) {}
+      : mount(std::move(given)), options(chosen) {}
 
   geometry::Mount mount;
-  geometry::Mount sphere;
   RegistrationOptions options;
   std::shared_ptr<const image::PlateSnapshot> plate;
   std::vector<KeyView> views;
@@ -54,17 +53,17 @@ struct PlateRegistration::State {
 
   // Standard deviation of the picture, root mean square over its lattice, pixels.
   double picture_sd(const PoseVector& pose, const Eigen::Matrix4d& covariance) const {
-    const PoseModel model(sphere, pose);
-    const geometry::Rigid3 cam_from_world = model.cam_from_world();
+    const PoseModel model(mount, pose);
+    geometry::CameraEstimate camera;
+    camera.model = model.camera_model();
+    camera.cam_from_world = model.cam_from_world();
     double sum = 0;
     int count = 0;
     for (int j = 0; j < kOverlapRows; ++j)
       for (int i = 0; i < kOverlapColumns; ++i) {
         const Eigen::Vector2d pixel((i + 0.5) / kOverlapColumns * mount.width,
                                     (j + 0.5) / kOverlapRows * mount.height);
-        const Eigen::Vector3d ray =
-            cam_from_world.rotation.conjugate() * model.camera_model().unproject(pixel);
-        const auto image = project_direction(model, ray.normalized());
+        const auto image = model.project(scene_point(camera, pixel));
         if (!image) continue;
         const Eigen::Matrix<double, 2, 4> by = image->by_pose.leftCols<4>();
         sum += (by * covariance * by.transpose()).trace();
@@ -75,7 +74,7 @@ struct PlateRegistration::State {
 
   double sureness(const KeyView& view) const {
     return view.from_plate
-               ? options.plate_sd_px * scale()
+               ? options.plate_sd_px * view.plate_px * scale()
                : picture_sd(pose_of(view.camera), view.camera.covariance.topLeftCorner<4, 4>());
   }
 
@@ -119,7 +118,7 @@ struct PlateRegistration::State {
                                 Eigen::Vector3d::UnitZ();
     const double travel = std::atan2(axis.cross(its).norm(), axis.dot(its));
     const auto sd = [&](int i) { return std::sqrt(std::max(0.0, camera.covariance(i, i))); };
-    const double turned = travel * std::max(sd(2), options.roll_sd_deg * kRadians);
+    const double turned = travel * sd(2);
     const double stretched = travel * sd(3);
     camera.covariance(0, 0) += stretched * (stretched + 2 * sd(0));
     camera.covariance(1, 1) += turned * (turned + 2 * sd(1));
@@ -127,8 +126,10 @@ struct PlateRegistration::State {
 
   void draw_from_plate(const geometry::CameraEstimate& camera) {
     if (!plate) return;
+    const double its =
+        options.plate_sd_px * scale() * std::max(1.0, camera.model.fx * plate->radians_per_px);
     for (const KeyView& view : views)
-      if (sureness(view) <= options.plate_sd_px * scale() &&
+      if (sureness(view) <= options.zoom_step * its &&
           overlap(view, camera, options.zoom_step) >= options.least_overlap)
         return;
     PlateViewOptions drawing;
@@ -202,7 +203,7 @@ struct PlateRegistration::State {
       shown.push_back(&views[i]);
     }
     const PoseVector prior_pose = pose_of(prior);
-    const TextureTrack found = track_texture(picture, shown, sphere, prior_pose,
+    const TextureTrack found = track_texture(picture, shown, mount, prior_pose,
                                              prior_information(prior), reach_px, tracking());
     Registration out = answer(found, found.fit.pose);
     const auto lost = [&](std::string why) {
@@ -235,7 +236,7 @@ struct PlateRegistration::State {
     for (std::size_t i = 0; i < shown.size(); ++i) {
       Eigen::Matrix4d of_view = shown[i]->camera.covariance.topLeftCorner<4, 4>();
       if (shown[i]->from_plate) {
-        const double turn_sd = options.plate_sd_px * scale() / prior.model.fx;
+        const double turn_sd = sureness(*shown[i]) / shown[i]->camera.model.fx;
         of_view = Eigen::Vector4d(turn_sd, turn_sd, 0, turn_sd).cwiseAbs2().asDiagonal();
       }
       out.views_covariance += found.share_of_view[i] * of_view;

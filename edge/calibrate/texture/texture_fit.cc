@@ -10,7 +10,6 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kFar = 1000;        // metres: a direction as a point
 constexpr double kMedian = 1.386;    // of chi-square with two degrees of freedom
 constexpr double kConverged = 1e-8;  // radians, and log focal length
 
@@ -30,19 +29,7 @@ double median_misfit(std::vector<double>& distances, double most) {
 
 }  // namespace
 
-geometry::Mount sphere_of(const geometry::Mount& mount) {
-  geometry::Mount out = mount;
-  out.position_in_world.setZero();
-  out.pupil_offset_m = 0;
-  return out;
-}
-
-std::optional<PoseModel::Image> project_direction(const PoseModel& sphere,
-                                                  const Eigen::Vector3d& direction) {
-  return sphere.project(kFar * direction);
-}
-
-TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& sphere,
+TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& mount,
                        const PoseVector& prior_pose, const Eigen::Matrix4d& prior,
                        const PoseVector& start, const TextureFitOptions& options) {
   TextureFit fit;
@@ -51,7 +38,7 @@ TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& sp
   double cutoff = 4 * options.cutoff;
   std::vector<double> distances;
   for (; fit.iterations < options.most_iterations; ++fit.iterations) {
-    const PoseModel model(sphere, fit.pose);
+    const PoseModel model(mount, fit.pose);
     fit.information.setZero();
     fit.chi_squared = fit.weight = 0;
     const double reach = cutoff * fit.misfit;
@@ -59,7 +46,7 @@ TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& sp
     Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
     for (TexturePoint& point : points) {
       point.weight = 0;
-      const auto image = project_direction(model, point.direction);
+      const auto image = model.project(point.point_in_world);
       if (!image) continue;
       const Eigen::Vector2d off = point.pixel - image->pixel;
       const Eigen::Matrix2d certainty = point.covariance.inverse();

@@ -1,5 +1,5 @@
-// Pan, tilt, roll and log focal length from directions on the sphere round a head and where a
-// picture shows them: a robust fit, people being outliers.
+// Pan, tilt, roll and log focal length from points of the surroundings and where a picture shows
+// them: a robust fit, people being outliers.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 namespace touchline::calibrate {
 
 struct TexturePoint {
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();       // unit, in world
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();           // where the picture shows it
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  // pixels squared
   double weight = 0;                                         // after the fit, 0..1
@@ -37,15 +37,8 @@ struct TextureFit {
   bool solved = false;
 };
 
-// The mount's optics at the origin: directions in place of points, without pupil offset.
-geometry::Mount sphere_of(const geometry::Mount& mount);
-
-// Pixel of a direction and its derivative by pan, tilt, roll and log focal length.
-std::optional<PoseModel::Image> project_direction(const PoseModel& sphere,
-                                                  const Eigen::Vector3d& direction);
-
 // `prior` round `prior_pose`, from `start` on; weights and residuals of the points are set.
-TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& sphere,
+TextureFit fit_texture(std::span<TexturePoint> points, const geometry::Mount& mount,
                        const PoseVector& prior_pose, const Eigen::Matrix4d& prior,
                        const PoseVector& start, const TextureFitOptions& options);
 

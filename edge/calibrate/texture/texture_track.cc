@@ -34,19 +34,20 @@ struct Candidate {
   double merit = 0;
 };
 
-// How pixel differences of the picture map to those of the view, round a direction.
+// How pixel differences of the picture map to those of the view, round a point.
 std::optional<Eigen::Matrix2d> key_from_picture(const KeyView& view, const PoseModel& model,
                                                 const KeyPoint& point,
                                                 const Eigen::Vector2d& pixel) {
-  const Eigen::Vector3d across = point.direction.cross(Eigen::Vector3d::UnitZ()).normalized();
-  const Eigen::Vector3d up = across.cross(point.direction);
+  const Eigen::Vector3d ray = point.point_in_world - geometry::position_in_world(view.camera);
+  const Eigen::Vector3d across = ray.norm() * ray.cross(Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d up = across.cross(ray.normalized());
   const geometry::CameraModel picture = model.camera_model();
-  const Eigen::Quaterniond cam_from_world = model.cam_from_world().rotation;
+  const geometry::Rigid3 cam_from_world = model.cam_from_world();
   Eigen::Matrix2d key, seen;
   for (int i = 0; i < 2; ++i) {
-    const Eigen::Vector3d d = point.direction + kEps * (i == 0 ? across : up);
-    const auto a = view.camera.model.project(view.camera.cam_from_world.rotation * d);
-    const auto b = picture.project(cam_from_world * d);
+    const Eigen::Vector3d p = point.point_in_world + kEps * (i == 0 ? across : up);
+    const auto a = geometry::project(view.camera, p);
+    const auto b = picture.project(cam_from_world * p);
     if (!a || !b) return std::nullopt;
     key.col(i) = *a - point.pixel;
     seen.col(i) = *b - pixel;
@@ -65,7 +66,7 @@ std::vector<Candidate> choose(const std::vector<KeyView*>& views, const PoseMode
     std::array<Candidate, kCells> cells;
     for (std::size_t i = 0; i < views[v]->points.size(); ++i) {
       const KeyPoint& point = views[v]->points[i];
-      const auto image = project_direction(model, point.direction);
+      const auto image = model.project(point.point_in_world);
       if (!image || !camera.sees(image->pixel)) continue;
       const double trust = (point.found + 1.0) / (point.looked + 1.0);
       const double merit = std::min<double>(point.texture, kEnoughTexture) * trust * trust;
@@ -129,11 +130,11 @@ Shift vote(const std::vector<Correlation>& maps, const std::vector<Eigen::Vector
 class Tracker {
  public:
   Tracker(const LumaPyramid& picture, const std::vector<KeyView*>& views,
-          const geometry::Mount& sphere, const PoseVector& prior_pose, const Eigen::Matrix4d& prior,
+          const geometry::Mount& mount, const PoseVector& prior_pose, const Eigen::Matrix4d& prior,
           const TextureTrackOptions& options)
       : picture_(picture),
         views_(views),
-        sphere_(sphere),
+        mount_(mount),
         prior_pose_(prior_pose),
         prior_(prior),
         options_(options) {}
@@ -141,7 +142,7 @@ class Tracker {
   TextureTrack run(double reach_px) {
     out_.fit.pose = prior_pose_;
     out_.share_of_view.assign(views_.size(), 0.0);
-    const PoseModel model(sphere_, prior_pose_);
+    const PoseModel model(mount_, prior_pose_);
     candidates_ = choose(views_, model, options_);
     out_.looked = static_cast<int>(candidates_.size());
     found_.resize(candidates_.size());
@@ -195,7 +196,7 @@ class Tracker {
       const Eigen::Vector2d moved =
           place + Eigen::Vector2d(shift.dx, shift.dy) + shift.zoom * (place - middle);
       voted.emplace_back();
-      voted.back().direction = candidates_[i].point->direction;
+      voted.back().point_in_world = candidates_[i].point->point_in_world;
       voted.back().pixel = picture_.in_picture(moved, kTop);
       voted.back().covariance = kCoarseSd * kCoarseSd * scale * scale * Eigen::Matrix2d::Identity();
       const Correlation near = correlate(*patches[i], top, moved, kNearVote);
@@ -211,18 +212,18 @@ class Tracker {
       if (best < 0.5F * static_cast<float>(options_.least_correlation)) continue;
       take(i, *patches[i], kTop, Eigen::Vector2d(near.x + bx, near.y + by));
     }
-    const TextureFit start = fit_texture(voted, sphere_, prior_pose_, prior_, prior_pose_,
+    const TextureFit start = fit_texture(voted, mount_, prior_pose_, prior_, prior_pose_,
                                          {kNoCutoff, 1, kStartIterations});
     if (start.solved) out_.fit.pose = start.pose;
   }
 
   // The places found at a coarser level looked at again.
   void finer(int l) {
-    const PoseModel model(sphere_, out_.fit.pose);
+    const PoseModel model(mount_, out_.fit.pose);
     const geometry::CameraModel camera = model.camera_model();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const Candidate& c = candidates_[i];
-      const auto image = project_direction(model, c.point->direction);
+      const auto image = model.project(c.point->point_in_world);
       if (!image || !camera.sees(image->pixel)) continue;
       const auto map = key_from_picture(*views_[c.view], model, *c.point, image->pixel);
       if (!map) continue;
@@ -239,7 +240,7 @@ class Tracker {
     if (!match || match->correlation < options_.least_correlation) return;
     const double scale = picture_.scale(l);
     TexturePoint point;
-    point.direction = candidates_[i].point->direction;
+    point.point_in_world = candidates_[i].point->point_in_world;
     point.pixel = picture_.in_picture(match->position, l);
     const double floor = std::max(options_.point_floor_px, 0.05 * scale);
     point.covariance =
@@ -254,7 +255,7 @@ class Tracker {
     for (std::size_t i = 0; i < found_.size(); ++i)
       if (known_[i]) points_.push_back(found_[i]);
     if (points_.size() < 4) return false;
-    out_.fit = fit_texture(points_, sphere_, prior_pose_, prior_, out_.fit.pose, {});
+    out_.fit = fit_texture(points_, mount_, prior_pose_, prior_, out_.fit.pose, {});
     return out_.fit.solved;
   }
 
@@ -280,7 +281,7 @@ class Tracker {
 
   const LumaPyramid& picture_;
   const std::vector<KeyView*>& views_;
-  const geometry::Mount& sphere_;
+  const geometry::Mount& mount_;
   const PoseVector& prior_pose_;
   const Eigen::Matrix4d& prior_;
   const TextureTrackOptions& options_;
@@ -294,10 +295,10 @@ class Tracker {
 }  // namespace
 
 TextureTrack track_texture(const LumaPyramid& picture, const std::vector<KeyView*>& views,
-                           const geometry::Mount& sphere, const PoseVector& prior_pose,
+                           const geometry::Mount& mount, const PoseVector& prior_pose,
                            const Eigen::Matrix4d& prior, double reach_px,
                            const TextureTrackOptions& options) {
-  return Tracker(picture, views, sphere, prior_pose, prior, options).run(reach_px);
+  return Tracker(picture, views, mount, prior_pose, prior, options).run(reach_px);
 }
 
 }  // namespace touchline::calibrate

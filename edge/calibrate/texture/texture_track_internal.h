@@ -36,7 +36,7 @@ struct TextureTrack {
 
 // `reach_px`: how far from the prior's place the picture may have moved; 0 = what the prior says.
 TextureTrack track_texture(const LumaPyramid& picture, const std::vector<KeyView*>& views,
-                           const geometry::Mount& sphere, const PoseVector& prior_pose,
+                           const geometry::Mount& mount, const PoseVector& prior_pose,
                            const Eigen::Matrix4d& prior, double reach_px,
                            const TextureTrackOptions& options);
 

@@ -36,6 +36,25 @@ bool painted(const pitch::PitchModel& pitch, const Vector2d& p) {
   return false;
 }
 
+// Blotches a hand and a foot wide, the same at a place of the turf from everywhere; -1..1.
+double grass_at(const Vector2d& p) {
+  double sum = 0;
+  for (const double size : {0.3, 0.1}) {
+    const double x = p.x() / size, y = p.y() / size;
+    const double fx = std::floor(x), fy = std::floor(y);
+    const auto node = [&](double i, double j) {
+      auto h = static_cast<std::uint32_t>(static_cast<int>(fx + i)) * 0x9E3779B1U ^
+               static_cast<std::uint32_t>(static_cast<int>(fy + j)) * 0x85EBCA77U;
+      h = (h ^ (h >> 15)) * 0x2C1B3C6DU;
+      return static_cast<double>((h ^ (h >> 13)) & 0xFFFFU) / 32768.0 - 1;
+    };
+    const double a = x - fx, b = y - fy;
+    sum += 0.5 * ((1 - b) * ((1 - a) * node(0, 0) + a * node(1, 0)) +
+                  b * ((1 - a) * node(0, 1) + a * node(1, 1)));
+  }
+  return sum;
+}
+
 // 1 where paint may fall on a pixel: everything near a projected centre line.
 image::Image<std::uint8_t> near_paint(const pitch::PitchModel& pitch,
                                       const geometry::CameraEstimate& camera) {
@@ -115,6 +134,12 @@ image::Frame paint_pitch(const pitch::PitchModel& pitch, const geometry::CameraE
       const double lively = other > 0.5 ? 100 * gauss(random) : 0;
       luma(x, y) =
           static_cast<float>(turf * kTurfLuma + s.paint * kPaintLuma + other * 450 + lively);
+      if (options.grass > 0 && s.turf > 0.5 && s.paint < 0.5) {
+        const auto hit = intersect_turf(
+            pitch, geometry::position_in_world(camera),
+            geometry::ray_in_world(camera, {static_cast<double>(x), static_cast<double>(y)}));
+        if (hit) luma(x, y) += static_cast<float>(options.grass * grass_at(hit->head<2>()));
+      }
       cb(x, y) = static_cast<float>(turf * kTurfCb + (1 - turf) * 512);
       cr(x, y) = static_cast<float>(turf * kTurfCr + (1 - turf) * 512);
     }

@@ -16,6 +16,7 @@ struct PaintOptions {
   int people = 0;     // white-legged figures standing on the turf
   bool paint = true;  // false: turf alone
   std::uint32_t seed = 1;
+  double grass = 0;  // luma of the turf's own pattern, which stands still, 10-bit code values
 };
 
 image::Frame paint_pitch(const pitch::PitchModel& pitch, const geometry::CameraEstimate& camera,
