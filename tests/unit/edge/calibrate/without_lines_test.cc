@@ -20,7 +20,7 @@ struct Outcome {
   int lost = 0;
   double worst_px = 0;          // of the frames by texture
   double normalised = 0;        // mean square of pan's and tilt's error over their covariance
-  double least_growth = 1e300;  // of the pan's standard deviation over that of the first frame
+  double least_growth = 1e300;  // of the pan's deviation in pixels over that of the first frame
 };
 
 geometry::CameraEstimate truth_at(const geometry::Mount& mount, int k) {
@@ -46,7 +46,7 @@ Outcome follow(double pupil_m, int frames) {
     image::Frame frame = paint_pitch(pitch, truth, {4, 6, true, static_cast<std::uint32_t>(k), 60});
     frame.stamp.media_time.ns = k * 40'000'000LL;
     const geometry::CameraEstimate found = calibrator.process(frame).estimate;
-    const double sd = std::sqrt(found.covariance(0, 0));
+    const double sd = std::sqrt(found.covariance(0, 0)) * found.model.fx;
     if (k == 0) first_sd = sd;
     if (found.lost()) {
       ++out.lost;
