@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "edge/calibrate/follow_back.h"
 #include "edge/chain_internal.h"
 #include "edge/compensate/compensator.h"
 #include "edge/key/training_order.h"
@@ -26,33 +27,6 @@ compensate::Compensator compensator_of(const compensate::DetailOptions& options,
   for (const std::size_t i : spread(frames.size(), looked_at)) estimator.add(frames[i]->luma());
   model = estimator.estimate();
   return compensate::Compensator(model);
-}
-
-// What lies under graphics is not known, and is nobody.
-void keep_off(const compensate::BurntIn& graphics, image::Matte& matte) {
-  const image::Rect& box = graphics.bounds;
-  if (graphics.empty() || matte.alpha.width() != graphics.mask.width() ||
-      matte.alpha.height() != graphics.mask.height())
-    return;
-  for (int y = box.y; y < box.y + box.height; ++y) {
-    for (int x = box.x; x < box.x + box.width; ++x) {
-      if (graphics.mask(x, y) == 0) continue;
-      matte.alpha(x, y) = 0;
-      matte.unknown(x, y) = 255;
-      matte.occluders(x, y) = 255;
-    }
-  }
-  image::Rect& region = matte.region;
-  if (region.empty()) {
-    region = box;
-    return;
-  }
-  const int right = std::max(region.x + region.width, box.x + box.width);
-  const int bottom = std::max(region.y + region.height, box.y + box.height);
-  region.x = std::min(region.x, box.x);
-  region.y = std::min(region.y, box.y);
-  region.width = right - region.x;
-  region.height = bottom - region.y;
 }
 
 }  // namespace
@@ -235,6 +209,16 @@ struct FrameChain::Impl {
     for (std::string& text : keeper->take_notes()) note(std::move(text));
   }
 
+  // Held frames that were lost before one that was solved.
+  void follow_held_back(std::vector<geometry::CameraEstimate>& estimates) {
+    if (!finder->mount() || setup.kind == HeadKind::kFixed) return;
+    const StageTimer timer(stage(kCalibrate));
+    const int found = calibrate::follow_back(held, finder->pitch(), *finder->mount(),
+                                             options.mount.calibrate, estimates);
+    if (found > 0)
+      note(fmt::format("calibration: {} lost frames were found from later ones", found));
+  }
+
   // `frame` is one of those that the estimates are of.
   void start_plate(const std::vector<geometry::CameraEstimate>& estimates,
                    const image::Frame& frame) {
@@ -270,7 +254,7 @@ struct FrameChain::Impl {
     {
       const StageTimer timer(stage(kKey));
       keyed = keyer.key(frame, estimate, snapshot, finder->pitch(), options.key);
-      keep_off(graphics, keyed.matte);
+      compensate::keep_off(graphics, keyed.matte);
     }
     const StageTimer timer(stage(kEncode));
     auto encoded = codec::encode(
@@ -335,6 +319,7 @@ struct FrameChain::Impl {
     std::vector<geometry::CameraEstimate> estimates;
     for (std::size_t i = 0; i < held.size(); ++i)
       estimates.push_back(calibrate_frame(*held[i], held_counts[i]));
+    follow_held_back(estimates);
     start_plate(estimates, *held.front());
     for (std::size_t i = 0; i < held.size(); ++i) learn_plate(*held[i], estimates[i]);
     publish_plate(out);

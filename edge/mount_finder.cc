@@ -278,6 +278,10 @@ bool MountFinder::from_take(std::span<const image::FramePtr> pictures) {
   pitch_ = take_->pitch();
   rms_px_ = found->rms_px;
   solved_ = found->solved;
+  if (!found->first.lost()) {
+    initial_ = found->first;
+    initial_->covariance.setZero();
+  }
   const Eigen::Vector3d p = mount_->position_in_world;
   note(
       fmt::format("surveyed from the take: {} of {} pictures, rms {:.2f} px, position {:.2f} "
@@ -432,10 +436,20 @@ MountFinder::Change MountFinder::follow(const image::FramePtr& frame,
   const bool misfit = better_->rms_before_px > kTakeMisfitPx * scale &&
                       better_->rms_before_px > kTakeMisfit * better_->rms_px;
   if (!estimate.lost() && !misfit) return Change::kNone;
+  std::optional<geometry::CameraEstimate> next;
+  if (!estimate.lost()) {
+    // A frame that is followed must not be lost to a mount that ought to be better.
+    next = late ? estimate : better_->newest;
+    next->covariance.setZero();
+    auto trial = calibrator_of(setup_, options_.calibrate, better_->pitch, better_->mount, next);
+    if (trial->process(*frame).estimate.evidence != geometry::Evidence::kLines) {
+      better_.reset();
+      return Change::kNone;
+    }
+  }
   adopt(*better_);
   note_take(*better_);
-  initial_.reset();
-  if (!estimate.lost() && !late) initial_ = better_->newest;
+  initial_ = std::move(next);
   better_.reset();
   return Change::kMount;
 }

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "edge/calibrate/fit/pose_fit.h"
+#include "edge/calibrate/follow_back.h"
 #include "edge/calibrate/initialise/cold_start.h"
+#include "edge/calibrate/initialise/hough_initialiser.h"
 #include "edge/calibrate/initialise/pose_score_internal.h"
 #include "edge/calibrate/lines/line_map.h"
 #include "edge/calibrate/survey/survey_solve.h"
@@ -24,6 +26,7 @@ constexpr std::size_t kPoints = 320;    // of a picture, that settle its place
 constexpr double kSamePlace = 0.06;     // of places, share of their distance
 constexpr std::size_t kOfAPicture = 3;  // places that are taken of one picture
 constexpr double kLeastScore = 0.7;     // of a place, in its own picture
+constexpr double kAloneShare = 0.7;     // of what speaks against any other camera of a picture
 
 struct Place {
   geometry::Mount mount;
@@ -182,12 +185,17 @@ class Search {
   };
 
   Pass one_pass(TakeSurvey survey) const {
-    Pass pass{TakeSearchResult{std::move(survey)}, {}};
+    Pass pass{TakeSearchResult{std::move(survey), 0, 0, 0, {}}, {}};
     TakeSearchResult& result = pass.result;
     Calibrator calibrator(result.survey.pitch(), result.survey.mount(), options_.calibrate);
+    std::vector<geometry::CameraEstimate> estimates;
+    for (const image::FramePtr& picture : pictures_)
+      estimates.push_back(calibrator.process(*picture).estimate);
+    follow_back(pictures_, result.survey.pitch(), result.survey.mount(), options_.calibrate,
+                estimates);
     double squares = 0;
     for (std::size_t i = 0; i < pictures_.size(); ++i) {
-      const geometry::CameraEstimate estimate = calibrator.process(*pictures_[i]).estimate;
+      const geometry::CameraEstimate& estimate = estimates[i];
       if (estimate.evidence != geometry::Evidence::kLines) {
         pass.unsolved.push_back(i);
         continue;
@@ -196,8 +204,29 @@ class Search {
       squares += estimate.rms_px * estimate.rms_px;
       result.survey.add(*pictures_[i], estimate);
     }
+    result.first = estimates.front();
+    take_along(pass);
     if (result.solved > 0) result.rms_px = std::sqrt(squares / result.solved);
     return pass;
+  }
+
+  // A mount that is known by few views puts the lines of others some pixels off, so that they miss
+  // what a frame must show; where nothing else comes near to explaining them they are views as
+  // well. They do not count as solved: with them the mount must come to solve more.
+  void take_along(Pass& pass) const {
+    InitialiseOptions options = options_.calibrate.initialise;
+    for (double* least : {&options.least_score, &options.least_confirmed, &options.least_explained})
+      *least = std::max(0.0, *least - options_.doubt);
+    TakeSurvey& survey = pass.result.survey;
+    const Initialiser initialiser(survey.pitch(), survey.mount(), options);
+    for (const std::size_t i : spread_over(pass.unsolved.size(), options_.doubtful)) {
+      const image::Frame& picture = *pictures_[pass.unsolved[i]];
+      const LineMap map = detect_lines(picture, options_.calibrate.line_map);
+      InitialiseReport report;
+      const auto camera = initialiser.find(map, report);
+      if (camera && report.against_px < kAloneShare * report.second_against_px)
+        survey.add(picture, *camera);
+    }
   }
 
   bool resize(Pass& pass) const {

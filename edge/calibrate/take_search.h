@@ -23,6 +23,8 @@ struct TakeSearchOptions {
   int places = 4;        // of those that they allow, how many are tried on all pictures; 1..64
   int passes = 6;        // over the pictures, from one place; 2..16
   int resizes = 3;       // pictures that are asked for other sizes of the pitch after a pass; 0..64
+  int doubtful = 8;      // unsolved pictures that are tried with less asked of them; 0..64
+  double doubt = 0.2;    // by how much less, share; 0..0.3
   double enough = 0.95;  // share of pictures that lines solve, to try no other place
   double least_solved = 0.25;  // the same, to believe the place at all
 
@@ -30,10 +32,11 @@ struct TakeSearchOptions {
 };
 
 struct TakeSearchResult {
-  TakeSurvey survey;   // on the mount and the pitch that were found
-  int solved = 0;      // pictures, by lines, in the last pass
-  double rms_px = 0;   // of those
-  int key_frames = 0;  // of the last joint solution
+  TakeSurvey survey;               // on the mount and the pitch that were found
+  int solved = 0;                  // pictures, by lines, in the last pass
+  double rms_px = 0;               // of those
+  int key_frames = 0;              // of the last joint solution
+  geometry::CameraEstimate first;  // of the first picture; may be lost
 };
 
 // Compensated pictures in the order of their time stamps, of one size. Errors: kNumerical where no

@@ -243,4 +243,30 @@ void blank(const BurntIn& graphics, image::Frame& frame) {
   }
 }
 
+void keep_off(const BurntIn& graphics, image::Matte& matte) {
+  const image::Rect& box = graphics.bounds;
+  if (graphics.empty() || matte.alpha.width() != graphics.mask.width() ||
+      matte.alpha.height() != graphics.mask.height())
+    return;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      if (graphics.mask(x, y) == 0) continue;
+      matte.alpha(x, y) = 0;
+      matte.unknown(x, y) = 255;
+      matte.occluders(x, y) = 255;
+    }
+  }
+  image::Rect& region = matte.region;
+  if (region.empty()) {
+    region = box;
+    return;
+  }
+  const int right = std::max(region.x + region.width, box.x + box.width);
+  const int bottom = std::max(region.y + region.height, box.y + box.height);
+  region.x = std::min(region.x, box.x);
+  region.y = std::min(region.y, box.y);
+  region.width = right - region.x;
+  region.height = bottom - region.y;
+}
+
 }  // namespace touchline::compensate

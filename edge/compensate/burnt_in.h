@@ -9,6 +9,7 @@
 #include "shared/base/result.h"
 #include "shared/image/frame.h"
 #include "shared/image/image.h"
+#include "shared/image/matte.h"
 
 namespace touchline::compensate {
 
@@ -37,5 +38,8 @@ BurntIn find_burnt_in(std::span<const image::FramePtr> pictures, const BurntInOp
 // Takes the graphics out of a frame: luma as at either side of them, chroma
 // image::kNoPictureChroma.
 void blank(const BurntIn& graphics, image::Frame& frame);
+
+// In a matte: what lies under the graphics is not known, and is nobody.
+void keep_off(const BurntIn& graphics, image::Matte& matte);
 
 }  // namespace touchline::compensate

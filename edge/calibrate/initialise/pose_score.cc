@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kLeastVisibleWidthPx = 0.9;  // paint thinner than this counts less
 constexpr double kOffTurfWeight = 0.4;        // a predicted line where no turf is may be hidden
+constexpr float kThinAtEdgePx = 1.2F;         // paint that the turf's edge may hide
+constexpr double kEdgeReachPx = 16;           // of that edge, at 1080 lines
 constexpr double kFullWidthPx = 1.6;          // paint this wide has its full contrast
 constexpr std::size_t kMostMarkings = 48;     // of a pitch
 constexpr double kDashShare = 0.45;           // of a dashed line that is painted, at least
@@ -72,6 +74,19 @@ struct Tally {
   std::array<double, 6> by_direction{};  // confirmed length by image direction, 30 degrees each
 };
 
+// Off the turf; or thin paint at its edge, where a hoarding's foot or paler ground takes the dark
+// side from it that a ridge needs.
+bool may_be_hidden(const LineMap& map, const Eigen::Vector2f& pixel, const Eigen::Vector2f& along,
+                   float paint_px) {
+  const Eigen::Vector2d at = pixel.cast<double>();
+  if (!map.on_turf(at)) return true;
+  if (paint_px >= kThinAtEdgePx) return false;
+  const double reach = kEdgeReachPx * std::max(map.height / 1080.0, 0.5);
+  const Eigen::Vector2d across = reach * Eigen::Vector2d(-along.y(), along.x());
+  return (map.inside(at + across) && !map.on_turf(at + across)) ||
+         (map.inside(at - across) && !map.on_turf(at - across));
+}
+
 Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
             double tolerance_px) {
   const FastCamera camera(pose);
@@ -120,7 +135,7 @@ Tally tally(const LineMap& map, const MarkingSamples& samples, const Pose& pose,
         sum.by_direction[static_cast<std::size_t>(angle) % 6] += length;
       }
     }
-    if (!hit && !map.on_turf(pixel.cast<double>())) weight *= kOffTurfWeight;
+    if (!hit && may_be_hidden(map, pixel, along / speed, paint)) weight *= kOffTurfWeight;
     marking.predicted += weight;
     marking.dash_px += weight * kLeastGap_m * speed;
   }

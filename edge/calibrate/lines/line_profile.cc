@@ -13,6 +13,10 @@ constexpr double kLeastGreen = 12;   // code values of chroma
 constexpr double kMostRed = 0.07;    // Cr - 512 over luma
 constexpr double kSamplingSigma = 0.25;  // pixels, for paint of no width
 constexpr double kTypicalPaint = 200;    // code values of worn paint over turf
+constexpr double kThinPaintPx = 1.2;     // paint that a band beside the pitch may pass for
+constexpr double kBlursBeside = 2.2;     // of the point spread, and these pixels: beside thin paint
+constexpr double kPixelBeside = 1;
+constexpr double kLeastFall = 0.4;  // beside thin paint, of the fall to twice as far
 
 // Unchecked bilinear sample; the position must lie at least half a pixel inside.
 inline float bilinear(const image::ImageView<const std::uint16_t>& view, double x, double y) {
@@ -143,6 +147,20 @@ double ProfileReader::match(int centre) const {
   return product / std::sqrt(shape_energy_ * energy);
 }
 
+bool ProfileReader::far_wider(int centre) const {
+  if (template_width_ > kThinPaintPx) return false;
+  const int beside = static_cast<int>(
+      std::lround((template_width_ / 2 + kBlursBeside * blur_ + kPixelBeside) / step_));
+  const int last = static_cast<int>(samples_.size()) - 1;
+  const auto at = [&](int i) {
+    return static_cast<double>(samples_[static_cast<std::size_t>(std::clamp(i, 0, last))]);
+  };
+  const double top = at(centre);
+  const double flank = std::max(at(centre - beside), at(centre + beside));
+  const double foot = 0.5 * (at(centre - 2 * beside) + at(centre + 2 * beside));
+  return top - flank < kLeastFall * (top - foot);
+}
+
 bool ProfileReader::is_turf(double luma, double cb, double cr) const {
   const double level = std::max(luma - 64, 0.0);
   const double green = -(cb - 512) - (cr - 512);
@@ -196,6 +214,7 @@ bool ProfileReader::measure(LinePoint& window) {
 
   const int count = static_cast<int>(samples_.size());
   const int apart = std::max(1, static_cast<int>((window.width_px / 2 + scale_) / step_));
+  bool hidden = false;  // by something as pale that is wider than the paint
   for (int i = half_ + 1; i + half_ + 1 < count; ++i) {
     const float peak = response_[static_cast<std::size_t>(i)];
     if (static_cast<double>(peak) < threshold) continue;
@@ -215,6 +234,10 @@ bool ProfileReader::measure(LinePoint& window) {
     candidate.offset_px = low + (i + shift) * step_;
     if (std::abs(candidate.offset_px) > window.search_px) continue;
     if (!paint_on_turf(window, candidate.offset_px)) continue;
+    if (far_wider(i)) {
+      hidden = true;
+      continue;
+    }
     candidate.contrast = static_cast<double>(peak);
     candidate.match = quality;
     // Paint thinner than a pixel falls on one row or the next: a sharp picture does not say where
@@ -247,7 +270,7 @@ bool ProfileReader::measure(LinePoint& window) {
     if (turf_at(window.predicted + s * window.normal)) ++turf;
   }
   if (looked > 0 && turf >= kTurfClear * looked)
-    window.state = kTypicalPaint >= threshold ? WindowState::kBare : WindowState::kFaint;
+    window.state = kTypicalPaint >= threshold && !hidden ? WindowState::kBare : WindowState::kFaint;
   return true;
 }
 

@@ -30,6 +30,9 @@ class ProfileReader {
   // Correlation coefficient of the samples round index `centre` with the template, a linear trend
   // taken out.
   double match(int centre) const;
+  // True where what is found at index `centre` for thin paint is a far wider band: ground beside
+  // the pitch before a hoarding, a mown stripe seen from the side.
+  bool far_wider(int centre) const;
   bool turf_at(const Eigen::Vector2d& pixel) const;
   bool is_turf(double luma, double cb, double cr) const;
   bool paint_on_turf(const LinePoint& window, double offset) const;

@@ -34,6 +34,8 @@ constexpr std::size_t kCourseWindows = 12;  // of which two are taken at a time
 // The priors of levelling, principal point and lens against those of a survey by stills: a take
 // shows less of its mount, and what lines err by together would go into it.
 constexpr double kPriorShare = 0.2;
+constexpr double kThinPaintPx = 0.8;  // at 1080 lines; of such a line this share must be seen
+constexpr double kThinShown = 0.5;
 constexpr double kKnotRatio = 1.15;  // of focal lengths, above which the lens is a function of zoom
 
 // Distance along a marking's centre line of its point nearest to `p`, as a share of its length.
@@ -177,12 +179,19 @@ bool TakeSurvey::add(const image::Frame& frame, const geometry::CameraEstimate& 
     // The line itself says what lies on it: a mount that is wrong puts it some pixels off.
     const auto course = course_of(line, near_px);
     if (!course) continue;
+    std::vector<KeyPoint> found;
+    double width = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
+      width += line[i].width_px / static_cast<double>(line.size());
       const LineCandidate* on = course->nearest(line[i], i);
       if (on == nullptr || std::abs(on->offset_px - course->at(i)) > near_px) continue;
-      key.points.push_back(
+      found.push_back(
           {marking->id, share_at(*marking, line[i].point_in_world.head<2>()), line[i].pixel(*on)});
     }
+    // A far touchline before paler ground or a hoarding's foot is those for the most part.
+    const double shown = static_cast<double>(found.size()) / static_cast<double>(line.size());
+    if (width < kThinPaintPx * frame.height() / 1080.0 && shown < kThinShown) continue;
+    key.points.insert(key.points.end(), found.begin(), found.end());
   }
   if (static_cast<int>(key.points.size()) < options_.least_points) return false;
   const std::size_t stride =

@@ -37,6 +37,7 @@ TEST(TakeSearch, FindsMountAndLengthFromNothing) {
   const auto found = search_take(take, soccer(105), Side::kMain, options);
   ASSERT_TRUE(found) << base::to_string(found.error());
   EXPECT_EQ(found->solved, 15);
+  EXPECT_FALSE(found->first.lost());
   EXPECT_NEAR(found->survey.pitch().length_m, 102.4, 0.15);
   EXPECT_LT((found->survey.mount().position_in_world - truth.position_in_world).norm(), 0.5);
 }
