@@ -13,27 +13,52 @@ constexpr std::size_t kRow = kWide;
 constexpr int kRejectReach = 3;  // pixels round a person that are not learnt either
 constexpr int kDoubtReach = 12;  // pixels round a person where doubtful colours are not learnt
 
-// 1 within `reach` pixels (a square) of a 1.
-void widen(const std::vector<std::uint8_t>& in, int reach, std::vector<std::uint8_t>& across,
+// Ones spread to `reach` rows, or columns, on both sides: windows of twice the length are made of
+// two, until one and its shifted copy are as long as is wanted. `at(k)` is line k, all `length`
+// long; `spare` likewise.
+template <typename Line>
+void spread_lines(int lines, std::size_t length, int reach, const Line& at) {
+  // Forwards: line k takes in k + 1 .. k + reach.
+  const auto take = [&](int to, int from) {
+    std::uint8_t* a = at(to);
+    const std::uint8_t* b = at(from);
+    for (std::size_t x = 0; x < length; ++x) a[x] |= b[x];
+  };
+  for (int done = 0; done < reach;) {
+    const int step = std::min(done + 1, reach - done);
+    for (int k = 0; k + step < lines; ++k) take(k, k + step);
+    done += step;
+  }
+  // Backwards: from those.
+  for (int done = 0; done < reach;) {
+    const int step = std::min(done + 1, reach - done);
+    for (int k = lines - 1; k - step >= 0; --k) take(k, k - step);
+    done += step;
+  }
+}
+
+// 1 within `reach` pixels (a square) of a 1; in rows [top, bottom).
+void widen(const std::vector<std::uint8_t>& in, int reach, int top, int bottom,
            std::vector<std::uint8_t>& out) {
-  across = in;
-  for (int y = 0; y < kWide; ++y) {
-    const std::uint8_t* from = &in[static_cast<std::size_t>(y) * kRow];
-    std::uint8_t* to = &across[static_cast<std::size_t>(y) * kRow];
-    if (std::find(from, from + kWide, 1) == from + kWide) continue;
-    for (int k = 1; k <= reach; ++k) {
-      for (int x = 0; x + k < kWide; ++x) to[x] |= from[x + k];
-      for (int x = k; x < kWide; ++x) to[x] |= from[x - k];
-    }
+  out = in;
+  std::array<std::uint8_t, kRow> before;
+  for (int y = top; y < bottom; ++y) {
+    std::uint8_t* row = &out[static_cast<std::size_t>(y) * kRow];
+    if (std::find(row, row + kWide, 1) == row + kWide) continue;
+    for (const int side : {1, -1})
+      for (int done = 0; done < reach;) {
+        const int step = std::min(done + 1, reach - done);
+        std::copy_n(row, kWide, before.begin());
+        if (side > 0)
+          for (int x = 0; x + step < kWide; ++x)
+            row[x] |= before[static_cast<std::size_t>(x + step)];
+        else
+          for (int x = step; x < kWide; ++x) row[x] |= before[static_cast<std::size_t>(x - step)];
+        done += step;
+      }
   }
-  out = across;
-  for (int y = 0; y < kWide; ++y) {
-    std::uint8_t* to = &out[static_cast<std::size_t>(y) * kRow];
-    for (int v = std::max(0, y - reach); v <= std::min(kWide - 1, y + reach); ++v) {
-      const std::uint8_t* from = &across[static_cast<std::size_t>(v) * kRow];
-      for (int x = 0; x < kWide; ++x) to[x] |= from[x];
-    }
-  }
+  spread_lines(bottom - top, kRow, reach,
+               [&](int k) { return &out[static_cast<std::size_t>(top + k) * kRow]; });
 }
 
 // A row: 1 where learning is allowed, 2 where it is doubtful, and what is none of turf's.
@@ -92,11 +117,13 @@ const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uin
                                                       const TileSamples& samples,
                                                       const TurfColour& turf) {
   const std::size_t area = zones.size();
-  accepted_.resize(area);
-  foreign_.resize(area);
+  accepted_.assign(area, 0);
+  foreign_.assign(area, 0);
   colours_.assign(area, 0);
   doubted_.assign(area, 0);
-  for (std::size_t start = 0; start < area; start += kRow) {
+  const auto top = static_cast<std::size_t>(samples.top);
+  const auto bottom = static_cast<std::size_t>(std::max(samples.top, samples.bottom));
+  for (std::size_t start = top * kRow; start < bottom * kRow; start += kRow) {
     const std::uint8_t* zone = &zones[start];
     std::uint8_t zoned = 0;
     for (std::size_t x = 0; x < kRow; ++x) zoned |= zone[x];
@@ -107,17 +134,18 @@ const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uin
   local_.measure(zones, samples, colours_);
   std::uint8_t anything = 0;
   LocalTurf::Row local;
-  for (std::size_t y = 0; y < kRow; ++y) {
+  for (std::size_t y = top; y < bottom; ++y) {
     const std::size_t start = y * kRow;
     local_.row(static_cast<int>(y), samples, local);
     judge(&zones[start], &samples.inside[start], &colours_[start], &samples.y[start], local,
           &accepted_[start], &foreign_[start]);
     for (std::size_t x = 0; x < kRow; ++x) anything |= foreign_[start + x];
   }
+  const std::size_t end = bottom * kRow;
   if (anything && find_bodies()) {
-    widen(body_, kRejectReach, scratch_, near_body_);
-    widen(body_, kDoubtReach, scratch_, around_body_);
-    for (std::size_t i = 0; i < area; ++i) {
+    widen(body_, kRejectReach, samples.top, samples.bottom, near_body_);
+    widen(body_, kDoubtReach, samples.top, samples.bottom, around_body_);
+    for (std::size_t i = top * kRow; i < end; ++i) {
       // What is doubtful is taken as 1 where nobody is around.
       const int sure = accepted_[i] & 1;
       const int fair = (accepted_[i] >> 1) & ~around_body_[i];
@@ -127,7 +155,7 @@ const std::vector<std::uint8_t>& Acceptance::classify(const std::vector<std::uin
       accepted_[i] = static_cast<std::uint8_t>(taken);
     }
   } else {
-    for (std::size_t i = 0; i < area; ++i)
+    for (std::size_t i = top * kRow; i < end; ++i)
       accepted_[i] = static_cast<std::uint8_t>((accepted_[i] | (accepted_[i] >> 1)) & 1);
   }
   return accepted_;

@@ -29,7 +29,7 @@ class Acceptance {
 
   LocalTurf local_;
   std::vector<std::uint8_t> colours_, accepted_, doubted_, foreign_, body_, near_body_,
-      around_body_, scratch_;
+      around_body_;
 };
 
 }  // namespace touchline::plate

@@ -105,6 +105,45 @@ __m256i joined(__m256i low, __m256i high) {
 __m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
 __m256 all(float v) { return _mm256_set1_ps(v); }
 
+// Where four places lie side by side in a row, in both halves of eight: a window of eight samples
+// for each half, and which pair of them each place takes.
+class Windows {
+ public:
+  // `back`: samples before a place that the window begins.
+  Windows(__m256i row, __m256i column, const Plane& p, int back) {
+    const __m256i base = _mm256_shuffle_epi32(column, 0);
+    const __m256i off = _mm256_sub_epi32(column, base);
+    const __m256i one_row = _mm256_cmpeq_epi32(row, _mm256_shuffle_epi32(row, 0));
+    const __m256i close = _mm256_and_si256(_mm256_cmpgt_epi32(off, _mm256_set1_epi32(-1)),
+                                           _mm256_cmpgt_epi32(_mm256_set1_epi32(5), off));
+    const int low = _mm256_extract_epi32(column, 0) - back;
+    const int high = _mm256_extract_epi32(column, 4) - back;
+    fit_ = _mm256_movemask_epi8(_mm256_and_si256(one_row, close)) == -1 &&
+           std::max(low, high) + 8 <= p.width;
+    low_ = (_mm256_extract_epi32(row, 0) - back) * p.stride + low;
+    high_ = (_mm256_extract_epi32(row, 4) - back) * p.stride + high;
+    pairs_ = _mm256_add_epi32(_mm256_mullo_epi32(off, _mm256_set1_epi32(0x02020202)),
+                              _mm256_set1_epi32(0x03020100));
+  }
+  bool fit() const { return fit_; }
+  // `from`: the plane's first sample, some rows on.
+  __m256i row(const std::uint16_t* from) const {
+    return _mm256_set_m128i(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from + high_)),
+                            _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + low_)));
+  }
+  // The sample of each place of such a row with its right neighbour, and the two after these.
+  __m256i pair(__m256i row) const { return _mm256_shuffle_epi8(row, pairs_); }
+  __m256i next_pair(__m256i row) const {
+    return _mm256_shuffle_epi8(row, _mm256_add_epi32(pairs_, _mm256_set1_epi32(0x04040404)));
+  }
+
+ private:
+  bool fit_;
+  std::ptrdiff_t low_;
+  std::ptrdiff_t high_;
+  __m256i pairs_;
+};
+
 // As bicubic(), with weights in 1/8192; positions at least a sample inside, two at right and
 // bottom.
 __m256 bicubic8(const Plane& p, __m256 x, __m256 y) {
@@ -134,16 +173,31 @@ __m256 bicubic8(const Plane& p, __m256 x, __m256 y) {
       _mm256_sub_epi32(_mm256_set1_epi32(8192), _mm256_add_epi32(a, _mm256_add_epi32(c, d)));
   const __m256i left = joined(a, b);
   const __m256i right = joined(c, d);
-  // Four weights a pixel, of pixels 0 1 4 5 and of 2 3 6 7.
-  const __m256i outer = _mm256_unpacklo_epi32(left, right);
-  const __m256i inner = _mm256_unpackhi_epi32(left, right);
   const __m256 second =
       _mm256_sub_ps(all(1.f), _mm256_add_ps(wy.before, _mm256_add_ps(wy.next, wy.last)));
   const __m256 rows[4] = {wy.before, second, wy.next, wy.last};
+  __m256 sum = _mm256_setzero_ps();
+  const auto finished = [&] {
+    sum = times(sum, all(1.f / 8192));
+    return _mm256_min_ps(_mm256_max_ps(sum, _mm256_setzero_ps()), all(1023.f));
+  };
+  const std::uint16_t* from = p.data;
+  const Windows windows(iy, ix, p, 1);
+  if (windows.fit()) {
+    for (const __m256& row : rows) {
+      const __m256i samples = windows.row(from);
+      const __m256i across = _mm256_add_epi32(_mm256_madd_epi16(windows.pair(samples), left),
+                                              _mm256_madd_epi16(windows.next_pair(samples), right));
+      sum = _mm256_fmadd_ps(row, _mm256_cvtepi32_ps(across), sum);
+      from += p.stride;
+    }
+    return finished();
+  }
+  // Four weights a pixel, of pixels 0 1 4 5 and of 2 3 6 7.
+  const __m256i outer = _mm256_unpacklo_epi32(left, right);
+  const __m256i inner = _mm256_unpackhi_epi32(left, right);
   Places at(_mm256_sub_epi32(iy, _mm256_set1_epi32(1)), _mm256_sub_epi32(ix, _mm256_set1_epi32(1)),
             p.stride);
-  __m256 sum = _mm256_setzero_ps();
-  const std::uint16_t* from = p.data;
   for (const __m256& row : rows) {
     const auto quads = [&](std::size_t i, std::size_t j) {
       return _mm_unpacklo_epi64(
@@ -156,34 +210,39 @@ __m256 bicubic8(const Plane& p, __m256 x, __m256 y) {
     sum = _mm256_fmadd_ps(row, _mm256_cvtepi32_ps(across), sum);
     from += p.stride;
   }
-  sum = times(sum, all(1.f / 8192));
-  return _mm256_min_ps(_mm256_max_ps(sum, _mm256_setzero_ps()), all(1023.f));
+  return finished();
 }
 
 // Where bilinear() looks, for both planes of chroma.
 class ChromaPlaces {
  public:
   ChromaPlaces(const Plane& p, __m256 x, __m256 y)
-      : ChromaPlaces(p.stride, times(x, all(p.scale_x)),
-                     _mm256_max_ps(_mm256_fmadd_ps(y, all(p.scale_y), all(p.shift_y)),
-                                   _mm256_setzero_ps())) {}
+      : ChromaPlaces(p, _mm256_cvttps_epi32(row_of(p, y)), times(x, all(p.scale_x)), row_of(p, y)) {
+  }
   __m256 value(const Plane& p) const {
-    const __m256 top = _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p.data, at_), across_));
-    const __m256 bottom =
-        _mm256_cvtepi32_ps(_mm256_madd_epi16(pairs_at(p.data + p.stride, at_), across_));
+    const std::uint16_t* below = p.data + p.stride;
+    const bool fit = windows_.fit();
+    const __m256i a = fit ? windows_.pair(windows_.row(p.data)) : pairs_at(p.data, at_);
+    const __m256i b = fit ? windows_.pair(windows_.row(below)) : pairs_at(below, at_);
+    const __m256 top = _mm256_cvtepi32_ps(_mm256_madd_epi16(a, across_));
+    const __m256 bottom = _mm256_cvtepi32_ps(_mm256_madd_epi16(b, across_));
     return times(_mm256_fmadd_ps(down_, _mm256_sub_ps(bottom, top), top), all(1.f / 8192));
   }
 
  private:
-  ChromaPlaces(std::ptrdiff_t stride, __m256 x, __m256 y)
-      : at_(_mm256_cvttps_epi32(y), _mm256_cvttps_epi32(x), stride) {
+  static __m256 row_of(const Plane& p, __m256 y) {
+    return _mm256_max_ps(_mm256_fmadd_ps(y, all(p.scale_y), all(p.shift_y)), _mm256_setzero_ps());
+  }
+  ChromaPlaces(const Plane& p, __m256i row, __m256 x, __m256 y)
+      : windows_(row, _mm256_cvttps_epi32(x), p, 0), at_(row, _mm256_cvttps_epi32(x), p.stride) {
     const __m256 fx = _mm256_sub_ps(x, _mm256_round_ps(x, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC));
     const __m256i f = _mm256_cvtps_epi32(times(fx, all(8192.f)));
     across_ = joined(_mm256_sub_epi32(_mm256_set1_epi32(8192), f), f);
     down_ = _mm256_sub_ps(y, _mm256_round_ps(y, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC));
   }
 
-  Places at_;
+  Windows windows_;
+  Places at_;       // where the windows do not fit
   __m256i across_;  // weights in 1/8192
   __m256 down_;
 };
@@ -270,6 +329,8 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
   out.cr.assign(area, 0);
   out.inside.assign(area, 0);
   out.seen = 0;
+  out.top = size;
+  out.bottom = 0;
 
   const int nodes = size / kStep + 2;
   const float nowhere = std::numeric_limits<float>::quiet_NaN();
@@ -297,6 +358,7 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
   for (int y = 0; y < size; ++y) {
     const int j = y / kStep;
     const float t = static_cast<float>(y - j * kStep) / kStep;
+    const int before = out.seen;
     for (int i = 0; i * kStep < size; ++i) {
       const auto n = static_cast<std::size_t>(j * nodes + i);
       const auto m = n + static_cast<std::size_t>(nodes);
@@ -344,8 +406,13 @@ void sample_tile(const image::PlateSnapshot& sphere, const image::PlateTileKey& 
         ++out.seen;
       }
     }
+    if (out.seen == before) continue;
+    out.top = std::min(out.top, y);
+    out.bottom = y + 1;
   }
-  for (std::size_t at = 0; at < area; ++at) {
+  const auto row = static_cast<std::size_t>(size);
+  const auto end = static_cast<std::size_t>(out.bottom) * row;
+  for (std::size_t at = static_cast<std::size_t>(out.top) * row; at < end; ++at) {
     if (!image::no_picture(out.cb[at], out.cr[at])) continue;
     out.seen -= out.inside[at];
     out.inside[at] = 0;

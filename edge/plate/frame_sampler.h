@@ -18,6 +18,8 @@ struct TileSamples {
   // 1 where the frame shows the position, and a picture there (shared/image/no_picture.h).
   std::vector<std::uint8_t> inside;
   int seen = 0;  // positions inside
+  int top = 0;   // rows from here to before `bottom` hold all of them
+  int bottom = 0;
 };
 
 // Tiles the frame touches, in ascending order; bounded by `most`.

@@ -116,7 +116,7 @@ bool PlateBuilder::State::due(const image::PlateTileKey& key, const TileState& t
                               std::uint64_t nodes, int number) const {
   if (t.sampled_at < 0 || (nodes & ~t.nodes) != 0) return true;
   if (t.learning && t.frames > options.learn_frames) return false;
-  const int spacing = t.learning ? spacing_of(t) : options.update_every;
+  const int spacing = t.learning ? spacing_of(t) : options.update_every * (1 + t.calm);
   const int turn = (key.column + 2 * key.row) % spacing;
   return (number + turn + spacing) % spacing == 0 && 2 * (number - t.sampled_at) >= spacing;
 }
@@ -212,16 +212,26 @@ void PlateBuilder::State::judge_resumed() {
   }
 }
 
-// Tiles whose running mean left what is published.
+// Tiles whose running mean left what is published. Those that stay with it for long are looked at
+// less often, until they or many others change.
 void PlateBuilder::State::find_stale() {
+  int looked_at = 0;
+  int moved = 0;
   for (auto& [key, t] : tiles) {
     if (!t.changed) continue;
     const auto published =
         current ? current->tiles.find(key) : decltype(current->tiles.find(key)){};
-    t.stale = t.stale || !current || published == current->tiles.end() ||
-              differs(*published->second, t.tile);
+    const bool first = !current || published == current->tiles.end();
+    const bool news = first || differs(*published->second, t.tile);
+    t.stale = t.stale || news;
     t.changed = false;
+    if (t.learning) continue;
+    ++looked_at;
+    moved += news ? 1 : 0;
+    t.calm = news ? 0 : std::min(t.calm + 1, kMostCalm);
   }
+  if (moved >= 3 && moved * 3 >= looked_at)
+    for (auto& [key, t] : tiles) t.calm = 0;
 }
 
 void PlateBuilder::State::look_up_seeds() {
@@ -334,7 +344,8 @@ void PlateBuilder::add(const image::Frame& frame, const geometry::CameraEstimate
   for (const auto& key : keys) {
     TileState& t = s.tile(key);
     t.last_seen = static_cast<std::uint64_t>(s.frames);
-    const std::uint64_t nodes = nodes_in_view(s.sphere, key, estimate, 0);
+    const bool all_seen = t.nodes == ~std::uint64_t{0};
+    const std::uint64_t nodes = all_seen ? 0 : nodes_in_view(s.sphere, key, estimate, 0);
     if (t.learning && t.sampled_at >= 0) ++t.frames;
     if (!s.due(key, t, nodes, number)) continue;
     sample_tile(s.sphere, key, kApron, frame, estimate, kFrameBorder, s.samples);

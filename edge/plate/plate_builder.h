@@ -20,7 +20,7 @@ struct PlateOptions {
   int learn_frames = 50;            // frames a tile is seen in before its median is fixed; 4..500
   int samples = 14;                 // samples in time kept of a pixel until then; 3..32
   int publish_frames = 25;          // after learning, frames between two versions; 1..10000
-  int update_every = 10;            // after learning, a tile takes in every n-th frame; 1..1000
+  int update_every = 10;            // a learnt tile takes in every n-th frame; calm: 4n; 1..1000
   double update_rate = 0.06;        // weight of a new sample in the running mean; 0.001..0.5
   double noise_codes = 3;           // least standard deviation, 10-bit code values; 0.25..50
   double filled_codes = 7;          // of luma where turf was interpolated, chroma's most; 1..200

@@ -68,22 +68,28 @@ void follow(const TileSamples& samples, const std::vector<std::uint8_t>& accepte
 
 bool differs(const image::PlateTile& published, const image::PlateTile& now) {
   constexpr int kLattice = 4;
-  constexpr int kShare = 200;
+  constexpr int kShare = 200;     // one of so many pixels is another, by a deviation,
+  constexpr int kShareOfAll = 4;  // or one of so many by half a deviation: the light
   constexpr int kAll = (image::kPlateTileSize / kLattice) * (image::kPlateTileSize / kLattice);
   if (published.count.empty() || now.count.empty())
     return published.count.empty() != now.count.empty();
   int different = 0;
+  int lit = 0;
   for (int y = kLattice / 2; y < image::kPlateTileSize; y += kLattice)
     for (int x = kLattice / 2; x < image::kPlateTileSize; x += kLattice) {
       if (now.count(x, y) == 0) continue;
       bool other =
           published.count(x, y) == 0 || (published.count(x, y) == 1 && now.count(x, y) >= 8);
-      for (std::size_t c = 0; c < 3; ++c)
-        other = other || 2 * std::abs(published.mean[c](x, y) - now.mean[c](x, y)) >
-                             published.deviation[c](x, y);
+      bool half = false;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int step = std::abs(published.mean[c](x, y) - now.mean[c](x, y));
+        other = other || step > published.deviation[c](x, y);
+        half = half || 2 * step > published.deviation[c](x, y);
+      }
       different += other ? 1 : 0;
+      lit += half ? 1 : 0;
     }
-  return different * kShare > kAll;
+  return different * kShare > kAll || lit * kShareOfAll > kAll;
 }
 
 }  // namespace touchline::plate

@@ -21,7 +21,8 @@ void follow(const TileSamples& samples, const std::vector<std::uint8_t>& accepte
             const FollowOptions& options, image::PlateTile& tile);
 
 // Whether a tile tells more than noise beside what was published of it: pixels that were not known
-// or hardly known, or means half a deviation away, in more than one of 200 pixels of a lattice.
+// or hardly known, or means a deviation away, in more than one of 200 pixels of a lattice, or half
+// a deviation in more than a quarter. Noise moves a mean by a quarter.
 bool differs(const image::PlateTile& published, const image::PlateTile& now);
 
 }  // namespace touchline::plate

@@ -140,6 +140,7 @@ void SampleStack::unite(std::size_t first) {
   std::uint32_t* to = layers_[first].data();
   const std::uint32_t* from = layers_[first + 1].data();
   for (std::size_t k = 0; k < kArea; ++k) to[k] = to[k] ? to[k] : from[k];
+  spare_ = std::move(layers_[first + 1]);
   layers_.erase(layers_.begin() + second);
   numbers_.erase(numbers_.begin() + second);
 }
@@ -159,7 +160,8 @@ std::vector<std::uint32_t>& SampleStack::next_layer(int number, int spacing) {
     unite(first);
   }
   numbers_.push_back(number);
-  return layers_.emplace_back(kArea, 0U);
+  spare_.assign(kArea, 0U);
+  return layers_.emplace_back(std::exchange(spare_, {}));
 }
 
 void SampleStack::median(const std::vector<std::uint8_t>& prefer, double noise,

@@ -37,7 +37,8 @@ class SampleStack {
 
   int capacity_;
   std::vector<std::vector<std::uint32_t>> layers_;
-  std::vector<int> numbers_;  // of their frames
+  std::vector<std::uint32_t> spare_;  // memory of a layer that became one with another
+  std::vector<int> numbers_;          // of their frames
 };
 
 }  // namespace touchline::plate

@@ -15,6 +15,7 @@
 namespace touchline::plate {
 
 inline constexpr int kSize = image::kPlateTileSize;
+inline constexpr int kMostCalm = 3;
 inline constexpr int kWide = kSize + 2 * kApron;
 
 inline std::size_t wide_index(int x, int y) {
@@ -35,6 +36,7 @@ struct TileState {
   std::uint64_t last_seen = 0;
   std::uint64_t nodes = 0;  // of nodes_in_view(), those that a sample was taken of
   int frames = 0;           // it was in view
+  int calm = 0;             // times in a row that what it took in was no news; at most kMostCalm
   int sampled_at = -1;      // number of the latest frame that was sampled
   bool changed = false;     // since it was last compared with what is published
   bool stale = false;       // what is published is to be made anew
