@@ -48,9 +48,9 @@ class TurfTest {
       : frame_(frame),
         shift_(image::chroma_shift(frame.format)),
         light_(light),
-        bound_(bound),
-        chroma_(noise.chroma + std::pow(std::max(chroma_deviation, noise.chroma_deviation), 2.f)),
-        chroma_share_(noise.chroma_share) {}
+        noise_(noise),
+        chroma_deviation_(chroma_deviation),
+        bound_(bound) {}
 
   bool passes(int i, int j, const PatchColour& plate) const {
     const float low = light_.low * (plate.luma.mean + plate.luma.deviation);
@@ -60,8 +60,7 @@ class TurfTest {
     const __m256 red = all(plate.red.mean);
     const __m256 blue_spread = all(plate.blue.deviation);
     const __m256 red_spread = all(plate.red.deviation);
-    const float left = chroma_share_ * plate.luma.mean;
-    const __m256 most = all(bound_ * (chroma_ + left * left));
+    const __m256 most = all(bound_ * chroma_variance(noise_, plate.luma.mean, chroma_deviation_));
     const __m256 sign = all(-0.f);
     __m256 good = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
     for (int y = j * kCell; y < std::min(frame_.height(), (j + 1) * kCell); y += kCoarseRows) {
@@ -83,9 +82,9 @@ class TurfTest {
   const image::Frame& frame_;
   image::ChromaShift shift_;
   Light light_;
+  Noise noise_;
+  float chroma_deviation_;
   float bound_;
-  float chroma_;        // variance
-  float chroma_share_;  // of luma, that light leaves over
 };
 
 // What the samples of a cell say: how many may differ from the plate, or the plate misses; and

@@ -12,9 +12,8 @@
 namespace touchline::key {
 
 inline constexpr float kChromaNoise = 0.6f;  // of the luma noise
-// What another light leaves over of turf and paint, in luma and in chroma: shares of their luma.
-inline constexpr float kLumaOfLight = 0.0125f;
-inline constexpr float kChromaOfLight = 0.0125f;
+// What another light leaves over of turf and paint, in luma and in chroma: share of their luma.
+inline constexpr float kLeftByLight = 0.0125f;
 inline constexpr float kLitAgain = 1.1f;  // luma of turf out of a shadow over that of turf round it
 inline constexpr float kChromaOfRange = 0.1f;  // squared: an edge's chroma against its luma
 
@@ -75,19 +74,39 @@ inline __m256 residual(const Colours& p, const Colours& b, const Weights& w, con
                          times(w.chroma, _mm256_fmadd_ps(rb, rb, times(rr, rr))));
 }
 
-// Of frame and plate together. A pixel's variance is what it has here and its plate's deviation
-// squared, that being no less than the one here.
+// Of frame and plate together. A pixel's variance is what was stated and its plate's deviation
+// squared, or what was measured, where that is less.
 struct Noise {
-  float luma, chroma;  // variances; less than 0 where the deviations hold them
+  float luma = 0, chroma = 0;  // variances, as stated
+  // As measured, less the squares of the deviations that follow: the least of a plate's that count.
+  float luma_measured = 0, chroma_measured = 0;
   float luma_deviation = 0, chroma_deviation = 0;
-  float luma_share = 0, chroma_share = 0;  // of the plate's luma there, likewise: what light does
+  float share = 0;  // of the plate's luma there, likewise: what light leaves over
+  bool measured = false;
 };
 
-// Variance of luma of a pixel whose plate has this luma and deviation.
+// Variance of a pixel whose plate has this deviation, and that light leaves `left` over of.
+inline __m256 variance_of(float stated, float measured, float least, __m256 left, __m256 deviation,
+                          bool any) {
+  const __m256 by_statement = _mm256_fmadd_ps(deviation, deviation, all(stated));
+  if (!any) return by_statement;
+  const __m256 more = _mm256_max_ps(deviation, all(least));
+  return _mm256_min_ps(by_statement,
+                       _mm256_fmadd_ps(more, more, _mm256_fmadd_ps(left, left, all(measured))));
+}
+
 inline __m256 luma_variance(const Noise& noise, const Colours& b, __m256 deviation) {
-  const __m256 more = _mm256_max_ps(deviation, all(noise.luma_deviation));
-  const __m256 left = times(all(noise.luma_share), b.y);
-  return _mm256_fmadd_ps(more, more, _mm256_fmadd_ps(left, left, all(noise.luma)));
+  return variance_of(noise.luma, noise.luma_measured, noise.luma_deviation,
+                     times(all(noise.share), b.y), deviation, noise.measured);
+}
+
+// Variance of chroma where the plate has this luma and deviation.
+inline float chroma_variance(const Noise& noise, float luma, float deviation) {
+  const float stated = noise.chroma + deviation * deviation;
+  if (!noise.measured) return stated;
+  const float more = std::max(deviation, noise.chroma_deviation);
+  const float left = noise.share * luma;
+  return std::min(stated, noise.chroma_measured + more * more + left * left);
 }
 
 // The weights of a pixel whose plate has these deviations and is `blur` out of place.
@@ -95,29 +114,34 @@ inline Weights weights(const Noise& noise, const Colours& b, __m256 luma_deviati
                        __m256 chroma_deviation, __m256 blur) {
   const __m256 blurred = times(blur, blur);
   const __m256 luma = _mm256_add_ps(luma_variance(noise, b, luma_deviation), blurred);
-  const __m256 more = _mm256_max_ps(chroma_deviation, all(noise.chroma_deviation));
-  const __m256 left = times(all(noise.chroma_share * noise.chroma_share), times(b.y, b.y));
-  const __m256 chroma = _mm256_fmadd_ps(
-      more, more,
-      _mm256_fmadd_ps(all(kChromaOfRange), blurred, _mm256_add_ps(left, all(noise.chroma))));
+  const __m256 of_chroma =
+      variance_of(noise.chroma, noise.chroma_measured, noise.chroma_deviation,
+                  times(all(noise.share), b.y), chroma_deviation, noise.measured);
+  const __m256 chroma = _mm256_fmadd_ps(all(kChromaOfRange), blurred, of_chroma);
   return {_mm256_div_ps(all(1.f), luma), _mm256_div_ps(all(1.f), chroma)};
 }
 
 inline Noise noise_of(const KeyOptions& options) {
   const auto luma = static_cast<float>(options.noise_codes * options.noise_codes);
-  return {luma, kChromaNoise * kChromaNoise * luma};
+  Noise noise{};
+  noise.luma = luma;
+  noise.chroma = kChromaNoise * kChromaNoise * luma;
+  return noise;
 }
 
 // On turf, whose noise is measured: the usual deviation of the plate's turf is part of it.
 inline Noise noise_on_turf(const KeyOptions& options, const SceneLight& scene, float luma_deviation,
                            float chroma_deviation) {
-  if (!(scene.luma_noise > 0) || !(scene.chroma_noise > 0)) return noise_of(options);
-  return {scene.luma_noise * scene.luma_noise - luma_deviation * luma_deviation,
-          scene.chroma_noise * scene.chroma_noise - chroma_deviation * chroma_deviation,
-          luma_deviation,
-          chroma_deviation,
-          kLumaOfLight,
-          kChromaOfLight};
+  Noise noise = noise_of(options);
+  if (!(scene.luma_noise > 0) || !(scene.chroma_noise > 0)) return noise;
+  noise.luma_measured = scene.luma_noise * scene.luma_noise - luma_deviation * luma_deviation;
+  noise.chroma_measured =
+      scene.chroma_noise * scene.chroma_noise - chroma_deviation * chroma_deviation;
+  noise.luma_deviation = luma_deviation;
+  noise.chroma_deviation = chroma_deviation;
+  noise.share = kLeftByLight;
+  noise.measured = true;
+  return noise;
 }
 
 // What shines by itself, a board, does not follow the light.

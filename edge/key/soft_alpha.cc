@@ -18,6 +18,7 @@ constexpr int kShadeBlock = 4;       // pixels that share a figure for the shado
 constexpr int kShadeReach = 6;       // pixels round them that tell it
 constexpr int kFar = 4;              // depths are told apart up to this
 constexpr float kSureShare = 0.55f;  // of that peak, for a pixel of pure foreground
+constexpr float kDeepShare = 0.15f;  // likewise, kDeep pixels from the boundary
 
 // The first `n` of eight bytes, the others `beyond`, in the lower half.
 __m128i bytes_at(const void* from, int n, std::uint8_t beyond) {
@@ -129,7 +130,9 @@ class Cores {
         const float wanted = kSureShare * static_cast<float>(top[x]);
         const std::int16_t d = std::min<std::int16_t>(steps[x], kDeep);
         // Deep in a body a dark colour beside a bright one is another part of the person.
-        const bool pure = reached >= wanted || (d == kDeep && reached >= weak);
+        const bool pure =
+            reached >= wanted ||
+            (d == kDeep && reached >= std::max(weak, kDeepShare * static_cast<float>(top[x])));
         deep[x] = pure && d > 0 ? d : std::int16_t{0};
       }
       const std::uint16_t* luma = frame.planes[0].row(y);

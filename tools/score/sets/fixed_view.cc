@@ -13,10 +13,18 @@ constexpr double kHeight = 30;  // metres above the ground
 constexpr double kBehind = 28;  // from the camera's foot to the nearest ground in its picture
 constexpr double kBeyond = 68;  // and to the farthest
 constexpr double kOffTurf = 8;  // from the touchline to that; turf rules reach 6 m beyond it
-constexpr double kKeyMargin = 50;
+// What the key takes for pitch round that of the plate: all that is in sight, for what changes
+// beyond a pitch may be boards.
+constexpr double kInPlay = 100;
 
 pitch::PitchModel open_ground() {
   pitch::PitchModel pitch;  // no markings, bars or nets
+  return pitch;
+}
+
+pitch::PitchModel all_in_play(pitch::PitchModel pitch) {
+  pitch.length_m += 2 * kInPlay;
+  pitch.width_m += 2 * kInPlay;
   return pitch;
 }
 
@@ -42,6 +50,7 @@ plate::PlateOptions off_turf(plate::PlateOptions options) {
 
 FixedView::FixedView(int width, int height, const plate::PlateOptions& plate_options)
     : pitch_(open_ground()),
+      in_play_(all_in_play(pitch_)),
       camera_(camera_over(pitch_, width, height)),
       builder_(pitch_, geometry::position_in_world(camera_), 1 / camera_.model.fx,
                off_turf(plate_options)) {}
@@ -50,11 +59,10 @@ void FixedView::learn(const image::Frame& frame) { builder_.add(frame, camera_);
 
 image::Image<std::uint8_t> FixedView::key(const image::Frame& frame,
                                           const key::KeyOptions& options) {
-  key::KeyOptions here = options;
-  here.margin_m = kKeyMargin;
   const auto plate = builder_.snapshot(true);
   static const image::PlateSnapshot kNothing;
-  return std::move(key::key(frame, camera_, plate ? *plate : kNothing, pitch_, here).matte.alpha);
+  return std::move(
+      key::key(frame, camera_, plate ? *plate : kNothing, in_play_, options).matte.alpha);
 }
 
 }  // namespace touchline::score

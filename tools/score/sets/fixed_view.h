@@ -26,7 +26,8 @@ class FixedView {
   image::Image<std::uint8_t> key(const image::Frame& frame, const key::KeyOptions& options = {});
 
  private:
-  pitch::PitchModel pitch_;
+  pitch::PitchModel pitch_;    // the plate's: nothing in sight is on it
+  pitch::PitchModel in_play_;  // the key's: all in sight is on it
   geometry::CameraEstimate camera_;
   plate::PlateBuilder builder_;
 };
