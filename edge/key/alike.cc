@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kLeastBody = 0.04;      // square metres of a body that may have parts unseen
 constexpr double kLeastScale = 20;       // pixels a metre where the turf is not in sight
+constexpr double kSureOfStrong = 1.75;   // of the strong distance, that tells a colour he wears
 constexpr double kWornShare = 0.05;      // of a person's sure pixels, for a colour he wears
 constexpr float kStraightStep = 0.955f;  // of OpenCV's 3x3 distance, along a row
 constexpr int kLeastSure = 12;           // sure pixels that tell a person's colours
@@ -126,8 +127,8 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
   if (options.alike_reach_m <= 0) return;
   const std::vector<Body> all = find(bodies, difference.active, grid, options.alike_reach_m);
   const auto weak = static_cast<std::uint8_t>(std::min(255.0, options.weak_sigma * kDistanceScale));
-  const auto strong =
-      static_cast<std::uint8_t>(std::min(255.0, options.strong_sigma * kDistanceScale));
+  const auto far_off = static_cast<std::uint8_t>(
+      std::min(255.0, kSureOfStrong * options.strong_sigma * kDistanceScale));
   const FrameColours pixels(frame);
   // The colours of the sure pixels of each body, or of what else its box holds.
   std::vector<std::vector<ColourPlace>> colours(all.size());
@@ -138,7 +139,7 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
     const Body& body = all[which];
     const int end = body.right + 1;
     const __m128i full = _mm_set1_epi8(-1);
-    const __m128i least = _mm_set1_epi8(static_cast<char>(strong));
+    const __m128i least = _mm_set1_epi8(static_cast<char>(far_off));
     for (int y = body.top; y <= body.bottom; ++y) {
       Bytes cover = alpha.row(y);
       Bytes distance = difference.distance.row(y);
@@ -150,7 +151,7 @@ void mark_alike(const image::Frame& frame, const Difference& difference,
               return _mm_and_si128(_mm_cmpeq_epi8(load(cover + at), full),
                                    _mm_cmpeq_epi8(_mm_max_epu8(far, least), far));
             },
-            [&](int at) { return cover[at] == 255 && distance[at] >= strong; });
+            [&](int at) { return cover[at] == 255 && distance[at] >= far_off; });
         for (; sure != 0; sure &= sure - 1)
           colours[which].push_back(pixels.place(x + std::countr_zero(sure), y));
       }
