@@ -8,6 +8,8 @@
 
 #include "edge/calibrate/fit/pose_covariance_internal.h"
 #include "edge/calibrate/fit/pose_model_internal.h"
+#include "edge/calibrate/fit/pose_noise_internal.h"
+#include "edge/calibrate/fit/pose_prior_internal.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::calibrate {
@@ -38,84 +40,6 @@ class Random {
   std::uint64_t state_;
 };
 
-// A Gaussian prior of the pose: a precision of 0 frees a parameter, `held` fixes it.
-struct Prior {
-  PoseVector mean = PoseVector::Zero();
-  Matrix9 precision = Matrix9::Zero();
-  std::array<bool, 9> held{};
-};
-
-Prior make_prior(const geometry::Mount& mount, const geometry::CameraEstimate& predicted,
-                 const PoseFitOptions& options) {
-  Prior prior;
-  const geometry::HeadPose pose = head_pose(mount, predicted);
-  prior.mean(0) = pose.pan;
-  prior.mean(1) = pose.tilt;
-  prior.mean(2) = options.roll_mean_deg * kRadians;
-  prior.mean(3) = std::log(pose.focal_px);
-  const std::array<int, 3> index{0, 1, 3};
-  Eigen::Matrix3d spread;
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k)
-      spread(i, k) = predicted.covariance(index[static_cast<std::size_t>(i)],
-                                          index[static_cast<std::size_t>(k)]);
-  if (!(spread.diagonal().minCoeff() > 0) || !spread.allFinite()) {
-    const Eigen::Vector3d sd(options.pan_sd_deg * kRadians, options.tilt_sd_deg * kRadians,
-                             options.log_focal_sd);
-    spread = sd.cwiseAbs2().asDiagonal();
-  }
-  const Eigen::Matrix3d inverse = spread.ldlt().solve(Eigen::Matrix3d::Identity());
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k)
-      prior.precision(index[static_cast<std::size_t>(i)], index[static_cast<std::size_t>(k)]) =
-          inverse(i, k);
-  const double roll_sd = options.roll_sd_deg * kRadians;
-  prior.precision(2, 2) = 1 / (roll_sd * roll_sd);
-  if (predicted.covariance(2, 2) > 0) {
-    prior.mean(2) = pose.roll;
-    prior.precision(2, 2) = 1 / predicted.covariance(2, 2);
-  }
-  if (options.lens_sd > 0) {
-    const double corner = std::hypot(std::max(mount.cx, mount.width - 1 - mount.cx),
-                                     std::max(mount.cy, mount.height - 1 - mount.cy));
-    const double s = corner * corner / (pose.focal_px * pose.focal_px);
-    prior.precision(4, 4) = std::pow(s / options.lens_sd, 2);
-    prior.precision(5, 5) = std::pow(s * s / options.lens_sd, 2);
-  } else {
-    prior.held[4] = prior.held[5] = true;
-  }
-  for (int i = 6; i < 9; ++i) {
-    if (options.position_sd_m > 0)
-      prior.precision(i, i) = 1 / (options.position_sd_m * options.position_sd_m);
-    else
-      prior.held[static_cast<std::size_t>(i)] = true;
-  }
-  return prior;
-}
-
-PoseVector start_pose(const geometry::Mount& mount, const geometry::CameraEstimate& predicted,
-                      const PoseFitOptions& options) {
-  const geometry::HeadPose pose = head_pose(mount, predicted);
-  PoseVector start = PoseVector::Zero();
-  start(0) = pose.pan;
-  start(1) = pose.tilt;
-  start(2) = pose.roll;
-  start(3) = std::log(pose.focal_px);
-  if (options.lens_sd > 0) {
-    const geometry::LensKnot lens = geometry::lens_at(mount, pose.focal_px);
-    start(4) = predicted.model.k1 - lens.k1;
-    start(5) = predicted.model.k2 - lens.k2;
-  }
-  if (options.position_sd_m > 0) {
-    const Eigen::Vector3d forward =
-        predicted.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    start.tail<3>() = geometry::position_in_world(predicted) -
-                      geometry::pupil_offset(mount, pose.focal_px) * forward -
-                      mount.position_in_world;
-  }
-  return start;
-}
-
 // One window with candidates, and what the pose does to it.
 struct Row {
   const LinePoint* window = nullptr;
@@ -142,7 +66,7 @@ class Fitter {
         mount_(mount),
         options_(options),
         scale_(mount.height / 1080.0),
-        prior_(make_prior(mount, prior, options)),
+        prior_(make_pose_prior(mount, prior, options)),
         start_(start_pose(mount, start, options)) {}
 
   PoseFit run() {
@@ -328,16 +252,26 @@ class Fitter {
     fit.result.report.points = n.used;
     // Points worse than they promised make the estimate worse too.
     const double excess = n.used > 8 ? std::max(1.0, n.weighted_sum / n.used) : 1.0;
-    Matrix9 information = n.lines / excess + prior_.precision;
-    hold(information, nullptr);
-    Matrix9 covariance = information.ldlt().solve(Matrix9::Identity());
-    for (int i = 0; i < 9; ++i)
-      if (prior_.held[static_cast<std::size_t>(i)]) covariance(i, i) = 0;
-    fit.frame_covariance = 0.5 * (covariance + covariance.transpose());
+    fit.frame_covariance =
+        noise_covariance(noise_points(model, outlier), 1 / options_.point_correlation,
+                         prior_.precision, prior_.held);
     estimate.covariance =
         estimate_covariance(mount_, pose, fit.frame_covariance, by_mount(pose, outlier, n.lines));
     lines_only(n, excess, fit);
     confirm(model, outlier, fit);
+  }
+
+  std::vector<NoisePoint> noise_points(const PoseModel& model, double outlier) const {
+    std::vector<NoisePoint> out;
+    out.reserve(rows_.size());
+    for (const Row& row : rows_) {
+      const auto w = weigh(row, model, outlier);
+      if (!w) continue;
+      const double q = std::pow(w->residual / (options_.cauchy_px * scale_), 2);
+      out.push_back({static_cast<int>(row.window->marking), w->residual / (w->sigma * (1 + q)),
+                     (1 - q) / ((1 + q) * (1 + q)), w->gradient / w->sigma});
+    }
+    return out;
   }
 
   // The change of the fitted pose by errors of the mount. The prior of place came from frames on
@@ -415,7 +349,7 @@ class Fitter {
   const geometry::Mount& mount_;
   const PoseFitOptions& options_;
   double scale_;
-  Prior prior_;
+  PosePrior prior_;
   PoseVector start_;
   std::vector<Row> rows_;
 };

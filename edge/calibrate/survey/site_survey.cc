@@ -192,6 +192,8 @@ base::Result<SiteSurveyResult> SiteSurvey::solve() const {
                     pitch_.length_m, pitch_.width_m, pitch_.crown_m),
         "measure the pitch and state its sizes, or state none");
   }
+  // The sizes are one draw for all cameras: every mount errs with them.
+  closed.stated_covariance_m2 = fused.sizes.covariance;
   for (std::size_t i = 0; i < cameras_.size(); ++i)
     out.cameras[i].survey = run_survey(cameras_[i].maps, out.pitch, cameras_[i].side, closed, true);
   return out;

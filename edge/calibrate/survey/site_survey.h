@@ -26,7 +26,8 @@ struct SiteSurveyOptions {
 
 struct SiteCameraSurvey {
   base::CameraId camera;
-  base::Result<SurveyResult> survey;  // on the site's pitch
+  // On the site's pitch; its mount's covariance holds what the pitch's sizes may be off by.
+  base::Result<SurveyResult> survey;
   // Length, width and crown by this camera alone, metres; sigmas are large for what it cannot tell,
   // and 0 where it was not solved.
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();

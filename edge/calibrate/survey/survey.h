@@ -24,8 +24,9 @@ struct SurveyOptions {
   LineMapOptions line_map;
   ColdStartOptions cold_start;
   InitialiseOptions initialise;
-  int least_stills = 4;             // stills that must be solved
-  double principal_prior_px = 10;   // sigma of the principal point round the middle of the picture
+  int least_stills = 4;  // stills that must be solved
+  // Sigma of the principal point round the middle of the picture, pixels at 1920 columns.
+  double principal_prior_px = 10;
   double level_prior_deg = 0.5;     // sigma of the head's levelling
   double roll_prior_deg = 0.02;     // sigma of roll beyond levelling, of a head
   double pupil_prior_m = 0.1;       // sigma of the entrance pupil ahead of the head's axes
@@ -40,6 +41,9 @@ struct SurveyOptions {
   bool length_stated = true;
   bool width_stated = true;
   bool crown_stated = true;
+  // How far the stated length, width and crown may be off together, square metres: the mount's
+  // covariance then holds that as well. Zero: they are exact.
+  Eigen::Matrix3d stated_covariance_m2 = Eigen::Matrix3d::Zero();
   // A pitch whose lines say that a stated size is wrong by more than this is refused,
   // where they say it surely; metres.
   double size_tolerance_m = 0.12;

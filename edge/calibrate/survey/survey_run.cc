@@ -20,10 +20,14 @@ constexpr double kSizePrior = 5;           // metres that a length or width may 
 constexpr double kCrownPrior = 0.3;        // the same for an unknown crown
 constexpr double kSizeSigmas = 4;          // a size must be this sure to be held against the stated
 constexpr double kMostPriorSigmas = 4;     // of the principal point and the levelling
-constexpr double kLeastShown = 0.6;        // of confirmed, where so much is explained
-constexpr double kExplainsAll = 0.88;      // the same
-constexpr double kFoundSize = 0.05;        // metres: a size this sure is found
-constexpr double kRoughSize = 0.5;         // metres: one this sure is found where it is far off
+// A still that is placed by the mount as it is bears it out only by a third line, or an arc: two
+// can be had from more than one place on the pitch.
+constexpr int kLeastMarkings = 3;
+constexpr int kLeastOnMarking = 8;     // points of a still's lines
+constexpr double kLeastShown = 0.6;    // of confirmed, where so much is explained
+constexpr double kExplainsAll = 0.88;  // the same
+constexpr double kFoundSize = 0.05;    // metres: a size this sure is found
+constexpr double kRoughSize = 0.5;     // metres: one this sure is found where it is far off
 constexpr double kRoughSigmas = 6;
 constexpr double kSizeSettled = 0.004;  // metres: a smaller change is not worth another run
 
@@ -37,7 +41,7 @@ class Survey {
         side_(side),
         options_(options),
         head_(head),
-        step_(pitch, options, maps.front().height, head),
+        step_(pitch, options, maps.front().width, maps.front().height, head),
         scale_(step_.scale()),
         fine_(sample_markings(pitch, 0.3)) {}
 
@@ -234,8 +238,12 @@ class Survey {
       if (std::find(stills_.begin(), stills_.end(), still) != stills_.end()) continue;
       const auto estimate = initialiser.find(maps_[i]);
       if (!estimate) continue;
-      problem_.heads.push_back(
-          head_of(problem_.mount, estimate->cam_from_world, estimate->model.fx));
+      const geometry::HeadPose head =
+          head_of(problem_.mount, estimate->cam_from_world, estimate->model.fx);
+      if (step_.markings_on(maps_[i], problem_.mount, head, 5 * scale_, kLeastOnMarking) <
+          kLeastMarkings)
+        continue;
+      problem_.heads.push_back(head);
       stills_.push_back(still);
       found = true;
     }
@@ -314,7 +322,7 @@ class Survey {
               pitch_.length_m, pitch_.width_m, result.rms_px, 100 * confirmed, 100 * explained),
           "measure the pitch and state its sizes");
     }
-    if (off_centre > kMostPriorSigmas * options_.principal_prior_px ||
+    if (off_centre > kMostPriorSigmas * step_.principal_prior_px() ||
         (head_ && off_level > kMostPriorSigmas * options_.level_prior_deg * kDegree)) {
       return base::fail(
           base::ErrorKind::kNumerical, "survey",

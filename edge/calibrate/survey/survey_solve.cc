@@ -14,6 +14,7 @@ namespace {
 // Position, level x, level y, principal point, pupil offset and its change with log focal length.
 constexpr int kMount = 9;
 constexpr double kHeldLevel = 1e-5;  // radians; levelling that is not looked for
+constexpr double kHeldSize = 1e-5;   // metres; a size of the pitch that is not looked for
 constexpr double kHeldPupil = 1e-5;  // metres; a pupil offset that is not looked for
 constexpr int kHead = 4;             // pan, tilt, roll, log focal
 // Lens terms enter as their shift at this normalised radius' corner: radius of the picture corner
@@ -152,7 +153,10 @@ class Solver {
     store();
     solution.size_change = {sizes_[0], sizes_[1], sizes_[2]};
     residuals(solution);
-    if (options_.covariance && solution.converged) covariance(solution);
+    if (options_.covariance && solution.converged) {
+      covariance(solution);
+      linearise(solution.linear);
+    }
     return solution;
   }
 
@@ -167,8 +171,7 @@ class Solver {
   }
 
   void add_points() {
-    const double scale =
-        1 / (options_.point_sigma_px * std::sqrt(std::max(1.0, options_.correlated_points)));
+    const double scale = 1 / options_.equal_sigma_px();
     for (const SurveyPoint& point : problem_.points) {
       const auto still = static_cast<std::size_t>(point.still);
       const geometry::HeadPose& head = problem_.heads[still];
@@ -207,7 +210,7 @@ class Solver {
                                     loss, mount_.data(), heads_[still].data(), sizes_.data(),
                                     shifts_[low].data(), shifts_[high].data());
       }
-      point_blocks_.push_back({id, static_cast<int>(still)});
+      point_blocks_.push_back({id, static_cast<int>(still), &point});
       point_scale_ = scale;
     }
   }
@@ -223,9 +226,9 @@ class Solver {
 
   template <int N>
   void prior(double* block, int index, double mean, double sigma) {
-    ceres_.AddResidualBlock(
+    prior_blocks_.push_back(ceres_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<Prior, 1, N>(new Prior{index, mean, 1 / sigma}), nullptr,
-        block);
+        block));
   }
 
   void add_priors() {
@@ -252,9 +255,10 @@ class Solver {
       prior<kShifts>(shifts_[i].data(), 0, 0, options_.shift_sigma);
       prior<kShifts>(shifts_[i].data(), 1, 0, 0.4 * options_.shift_sigma);
       if (i > 0)
-        ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<Smooth, kShifts, kShifts, kShifts>(
-                                    new Smooth{1 / options_.shift_step}),
-                                nullptr, shifts_[i - 1].data(), shifts_[i].data());
+        prior_blocks_.push_back(ceres_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<Smooth, kShifts, kShifts, kShifts>(
+                new Smooth{1 / options_.shift_step}),
+            nullptr, shifts_[i - 1].data(), shifts_[i].data()));
     }
   }
 
@@ -341,9 +345,73 @@ class Solver {
     }
   }
 
+  // First column of a parameter block.
+  int column_of(const double* block) const {
+    if (block == mount_.data()) return 0;
+    if (block == sizes_.data()) return kMount;
+    int column = kMount + kSizes;
+    for (const auto& shift : shifts_) {
+      if (block == shift.data()) return column;
+      column += kShifts;
+    }
+    for (const auto& head : heads_) {
+      if (block == head.data()) return column;
+      column += kHead;
+    }
+    return -1;
+  }
+
+  // Residuals of a block and their derivatives by all parameters, without its loss.
+  void rows_of(ceres::ResidualBlockId id, Eigen::VectorXd& residual, Eigen::MatrixXd& rows) const {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const ceres::CostFunction* cost = ceres_.GetCostFunctionForResidualBlock(id);
+    std::vector<double*> blocks;
+    ceres_.GetParameterBlocksForResidualBlock(id, &blocks);
+    std::vector<RowMajor> by_block;
+    std::vector<double*> into;
+    for (const int width : cost->parameter_block_sizes())
+      by_block.emplace_back(cost->num_residuals(), width);
+    for (RowMajor& block : by_block) into.push_back(block.data());
+    residual.setZero(cost->num_residuals());
+    rows.setZero(cost->num_residuals(), width());
+    if (!cost->Evaluate(blocks.data(), residual.data(), into.data()))
+      return residual.setZero(), void();
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      rows.middleCols(column_of(blocks[i]), by_block[i].cols()) += by_block[i];
+  }
+
+  Eigen::Index width() const {
+    return kMount + kSizes + kShifts * static_cast<Eigen::Index>(shifts_.size()) +
+           kHead * static_cast<Eigen::Index>(heads_.size());
+  }
+
+  void linearise(SurveyLinear& linear) const {
+    const auto count = static_cast<Eigen::Index>(point_blocks_.size());
+    linear.jacobian.setZero(count, width());
+    linear.residual.setZero(count);
+    linear.prior.setZero(width(), width());
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd rows;
+    Eigen::Index row = 0;
+    for (const PointBlock& block : point_blocks_) {
+      rows_of(block.id, residual, rows);
+      linear.jacobian.row(row) = rows.row(0) / point_scale_;
+      linear.residual(row++) = residual(0) / point_scale_;
+      linear.points.push_back({block.still, block.point->marking, block.point->pixel});
+    }
+    for (const ceres::ResidualBlockId id : prior_blocks_) {
+      rows_of(id, residual, rows);
+      linear.prior.noalias() += rows.transpose() * rows;
+    }
+    if (!(options_.size_sigma.minCoeff() > 0))
+      linear.prior.block<kSizes, kSizes>(kMount, kMount).diagonal().array() +=
+          1 / (kHeldSize * kHeldSize);
+  }
+
   struct PointBlock {
     ceres::ResidualBlockId id;
     int still;
+    const SurveyPoint* point;
   };
 
   const SurveySolveOptions& options_;
@@ -356,6 +424,7 @@ class Solver {
   double corner_px_ = 1;
   double point_scale_ = 1;
   std::vector<PointBlock> point_blocks_;
+  std::vector<ceres::ResidualBlockId> prior_blocks_;
   ceres::Problem ceres_;
 };
 

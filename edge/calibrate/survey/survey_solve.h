@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "shared/geometry/mount.h"
@@ -17,6 +19,7 @@ struct SurveyPoint {
   // How its marking's place changes with the pitch's length, width and crown, metres a metre
   // (columns).
   Eigen::Matrix3d by_size = Eigen::Matrix3d::Zero();
+  int marking = -1;  // index in the pitch: points of a still on one marking err together
 };
 
 struct SurveyProblem {
@@ -39,6 +42,27 @@ struct SurveySolveOptions {
   bool covariance = false;
   // Sigmas of what is added to the pitch's length, width and crown, metres; 0, 0, 0 = held.
   Eigen::Vector3d size_sigma = Eigen::Vector3d::Zero();
+  // How far sizes that are held may be off together, square metres; 0 = they are exact.
+  Eigen::Matrix3d held_size_covariance = Eigen::Matrix3d::Zero();
+
+  // Independent points of this standard deviation weigh as much; pixels.
+  double equal_sigma_px() const {
+    return point_sigma_px * std::sqrt(std::max(1.0, correlated_points));
+  }
+};
+
+// A solution's line points and priors, linear in all parameters: those of
+// geometry::Mount::covariance, then pan, tilt, roll and log focal length of each head.
+struct SurveyLinear {
+  struct Point {
+    int still = 0;
+    int marking = -1;
+    Eigen::Vector2d pixel;
+  };
+  std::vector<Point> points;  // one a row
+  Eigen::MatrixXd jacobian;   // of the residuals, pixels
+  Eigen::VectorXd residual;   // across the line, pixels
+  Eigen::MatrixXd prior;      // information
 };
 
 struct SurveySolution {
@@ -50,6 +74,7 @@ struct SurveySolution {
   Eigen::Vector3d size_sigma = Eigen::Vector3d::Zero();
   Eigen::Matrix3d size_covariance = Eigen::Matrix3d::Zero();
   std::vector<Eigen::Matrix4d> head_covariance;  // pan, tilt, roll, log focal
+  SurveyLinear linear;                           // with covariance
 };
 
 // Changes problem.mount and problem.heads in place.

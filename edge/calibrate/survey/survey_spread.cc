@@ -2,14 +2,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edge/calibrate/survey/survey_noise_internal.h"
 #include "edge/calibrate/survey/survey_spread_internal.h"
 
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kHeldSize = 1e-5;     // metres, of a size that was measured
-constexpr double kLeastSigmaPx = 0.1;  // of a line point at 1080 lines: no paint is straighter
-constexpr int kPupil = 7;              // of the pupil offset in the shared parameters
+constexpr double kHeldSize = 1e-5;      // metres, of a size that was measured
+constexpr double kLeastSigmaPx = 0.05;  // that points weigh by, at 1080 lines
+constexpr int kLevel = 3;               // of levelling in the shared parameters
+constexpr int kPupil = 7;               // of the pupil offset in the shared parameters
 constexpr int kPupilTerms = 2;
 
 // The parameters that geometry::Mount::covariance is of, sizes as changes.
@@ -30,6 +32,7 @@ Eigen::VectorXd shared_parameters(const geometry::Mount& mount, const Eigen::Vec
 struct Model {
   SurveyProblem problem;
   SurveySolution solution;
+  SurveySpread spread;
   bool good = false;
 };
 
@@ -42,6 +45,12 @@ Model solve_model(SurveySolveOptions options, const SurveyProblem& start) {
   options.covariance = true;
   model.solution = solve_survey(options, model.problem);
   model.good = model.solution.converged && model.problem.mount.covariance.size() > 0;
+  if (!model.good) return model;
+  const double scale = std::max(model.problem.mount.height / 1080.0, 0.4);
+  model.spread = spread_of(model.solution.linear, options.equal_sigma_px(), options.loss_px, scale,
+                           options.held_size_covariance);
+  Eigen::MatrixXd& shared = model.problem.mount.covariance;
+  shared = Eigen::MatrixXd(model.spread.covariance.topLeftCorner(shared.rows(), shared.rows()));
   return model;
 }
 
@@ -58,14 +67,29 @@ double pupil_weight(const Model& free, double sigma) {
   return factor / (1 + factor);
 }
 
+// The roll of a camera that does not move is its mount's levelling, about its line of sight.
+void level_by_roll(const geometry::HeadPose& head, double roll_variance,
+                   const Eigen::MatrixXd& roll_with, Eigen::MatrixXd& covariance) {
+  const Eigen::Vector2d by_roll =
+      Eigen::Vector2d(std::sin(head.pan), std::cos(head.pan)) / std::cos(head.tilt);
+  covariance.middleRows<2>(kLevel) = by_roll * roll_with;
+  covariance.middleCols<2>(kLevel) = covariance.middleRows<2>(kLevel).transpose();
+  covariance.block<2, 2>(kLevel, kLevel) = roll_variance * by_roll * by_roll.transpose();
+}
+
 }  // namespace
 
 void settle_survey(const SurveySolveOptions& options, SurveyProblem& problem,
                    SurveySolution& solution) {
   const double scale = std::max(problem.mount.height / 1080.0, 0.4);
   SurveySolveOptions honest = options;
-  honest.point_sigma_px = std::max(solution.rms_px, kLeastSigmaPx * scale);
   if (options.size_sigma.maxCoeff() > 0) honest.size_sigma = options.size_sigma.cwiseMax(kHeldSize);
+  // Points weigh against the priors by what they tell.
+  const Model first = solve_model(honest, problem);
+  if (first.good) {
+    honest.correlated_points = 1;
+    honest.point_sigma_px = std::max(first.spread.equal_sigma_px, kLeastSigmaPx * scale);
+  }
   SurveySolveOptions held = honest;
   held.pupil_sigma_m = 0;
 
@@ -78,23 +102,25 @@ void settle_survey(const SurveySolveOptions& options, SurveyProblem& problem,
   models.emplace_back(solve_model(held, problem), models.empty() ? 1 : 1 - models.front().second);
 
   // The better model's estimate on the sizes as they are.
-  if (options.pupil_sigma_m > 0 && models.back().second > 0.5) {
-    SurveySolveOptions last = options;
-    last.size_sigma.setZero();
+  SurveySolveOptions last = honest;
+  last.size_sigma.setZero();
+  last.covariance = false;
+  SurveyProblem better = problem;
+  if (models.back().second > 0.5) {
     last.pupil_sigma_m = 0;
-    last.covariance = false;
-    SurveyProblem without = problem;
-    without.mount.pupil_offset_m = without.mount.pupil_by_log_focal_m = 0;
-    const SurveySolution found = solve_survey(last, without);
-    if (found.converged) {
-      problem = std::move(without);
-      solution.rms_px = found.rms_px;
-      solution.still_rms_px = found.still_rms_px;
-    }
+    better.mount.pupil_offset_m = better.mount.pupil_by_log_focal_m = 0;
+  }
+  const SurveySolution found = solve_survey(last, better);
+  if (found.converged) {
+    problem = std::move(better);
+    solution.rms_px = found.rms_px;
+    solution.still_rms_px = found.still_rms_px;
   }
   const Eigen::VectorXd chosen = shared_parameters(problem.mount, Eigen::Vector3d::Zero());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(chosen.size(), chosen.size());
   std::vector<Eigen::Matrix4d> heads(problem.heads.size(), Eigen::Matrix4d::Zero());
+  const Eigen::Index shared = chosen.size();
+  Eigen::MatrixXd roll_with = Eigen::MatrixXd::Zero(1, shared);
   double weights = 0;
   for (const auto& [model, weight] : models) {
     if (!model.good || !(weight > 1e-6)) continue;
@@ -103,16 +129,24 @@ void settle_survey(const SurveySolveOptions& options, SurveyProblem& problem,
     const Eigen::VectorXd off =
         shared_parameters(model.problem.mount, model.solution.size_change) - chosen;
     covariance += weight * (model.problem.mount.covariance + off * off.transpose());
-    for (std::size_t i = 0; i < heads.size() && i < model.solution.head_covariance.size(); ++i) {
+    for (std::size_t i = 0; i < heads.size(); ++i) {
       const geometry::HeadPose& a = model.problem.heads[i];
       const geometry::HeadPose& b = problem.heads[i];
       const Eigen::Vector4d turned(a.pan - b.pan, a.tilt - b.tilt, a.roll - b.roll,
                                    std::log(a.focal_px / b.focal_px));
-      heads[i] += weight * (model.solution.head_covariance[i] + turned * turned.transpose());
+      const Eigen::Index at = shared + 4 * static_cast<Eigen::Index>(i);
+      heads[i] +=
+          weight * (model.spread.covariance.block<4, 4>(at, at) + turned * turned.transpose());
+      if (i == 0)
+        roll_with += weight * (model.spread.covariance.block(at + 2, 0, 1, shared) +
+                               turned(2) * off.transpose());
     }
   }
   if (!(weights > 0)) return;
   problem.mount.covariance = covariance / weights;
+  if (!options.head)
+    level_by_roll(problem.heads.front(), heads.front()(2, 2) / weights, roll_with / weights,
+                  problem.mount.covariance);
   solution.head_covariance.clear();
   for (const Eigen::Matrix4d& head : heads) solution.head_covariance.emplace_back(head / weights);
 }

@@ -10,7 +10,8 @@ namespace touchline::calibrate {
 // each size (0 = measured). A head's pupil offset that the pictures do not bear out is set to 0,
 // and the rest solved again: the Bayes factor of the two models decides (Kass and Raftery 1995,
 // with priors of equal weight), and the covariance is of both, weighted by it. Sets the mount,
-// heads and covariance of the problem, and the solution.
+// heads and covariance of the problem, and the solution; of a camera that does not move, roll
+// stands for the mount's levelling in the covariance.
 void settle_survey(const SurveySolveOptions& options, SurveyProblem& problem,
                    SurveySolution& solution);
 

@@ -38,9 +38,13 @@ geometry::Mount empty_mount(const LineMap& map) {
   return mount;
 }
 
-SurveyStep::SurveyStep(const pitch::PitchModel& pitch, const SurveyOptions& options, int height,
-                       bool head)
-    : pitch_(pitch), options_(options), scale_(std::max(height / 1080.0, 0.4)), head_(head) {
+SurveyStep::SurveyStep(const pitch::PitchModel& pitch, const SurveyOptions& options, int width,
+                       int height, bool head)
+    : pitch_(pitch),
+      options_(options),
+      width_(width),
+      scale_(std::max(height / 1080.0, 0.4)),
+      head_(head) {
   for (std::size_t size = 0; size < 3; ++size) {
     pitch::PitchSizes sizes{pitch.length_m, pitch.width_m, std::nullopt, pitch.crown_m,
                             pitch.line_m};
@@ -90,7 +94,7 @@ SurveySolution SurveyStep::solve(const std::vector<LineMap>& maps, std::span<con
 SurveySolveOptions SurveyStep::solve_options(double tolerance_px, bool last) const {
   SurveySolveOptions options;
   options.head = head_;
-  options.principal_prior_px = options_.principal_prior_px;
+  options.principal_prior_px = principal_prior_px();
   options.level_sigma = options_.level_prior_deg * kRadians;
   options.roll_sigma = (head_ ? options_.roll_prior_deg : options_.fixed_roll_prior_deg) * kRadians;
   options.pupil_sigma_m = head_ ? options_.pupil_prior_m : 0;
@@ -99,7 +103,23 @@ SurveySolveOptions SurveyStep::solve_options(double tolerance_px, bool last) con
   options.point_sigma_px = options_.point_sigma_px * scale_;
   options.loss_px = std::max(0.5 * scale_, tolerance_px / 4);
   options.covariance = last;
+  options.held_size_covariance = options_.stated_covariance_m2;
   return options;
+}
+
+int SurveyStep::markings_on(const LineMap& map, const geometry::Mount& mount,
+                            const geometry::HeadPose& head, double tolerance_px, int least) const {
+  SurveyProblem problem;
+  problem.mount = mount;
+  problem.heads.push_back(head);
+  add_points(0, map, tolerance_px, problem);
+  std::vector<int> points(pitch_.markings.size(), 0);
+  for (const SurveyPoint& point : problem.points) ++points[static_cast<std::size_t>(point.marking)];
+  int markings = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i] >= least)
+      markings += pitch_.markings[i].shape == pitch::MarkingShape::kArc ? 2 : 1;
+  return markings;
 }
 
 void SurveyStep::add_points(std::size_t head, const LineMap& map, double tolerance_px,
@@ -115,6 +135,7 @@ void SurveyStep::add_points(std::size_t head, const LineMap& map, double toleran
     const Eigen::Vector2d tangent = marking.tangent(on.distance);
     SurveyPoint point;
     point.still = static_cast<int>(head);
+    point.marking = on.marking;
     point.pixel = ridge.position.cast<double>();
     point.point_in_world = pitch_.on_turf(marking.at(on.distance));
     point.tangent_in_world = {tangent.x(), tangent.y(), 0};

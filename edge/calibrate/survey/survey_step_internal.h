@@ -20,12 +20,21 @@ geometry::Mount empty_mount(const LineMap& map);
 
 class SurveyStep {
  public:
-  // Pictures are `height` lines high; `head`: of one head, else of a camera that does not move.
+  // Pictures are `width` x `height`; `head`: of one head, else of a camera that does not move.
   // Borrows pitch and options.
-  SurveyStep(const pitch::PitchModel& pitch, const SurveyOptions& options, int height, bool head);
+  SurveyStep(const pitch::PitchModel& pitch, const SurveyOptions& options, int width, int height,
+             bool head);
 
   // Of 1080 lines; lengths in pixels are meant for those.
   double scale() const { return scale_; }
+
+  // Sigma of the principal point, pixels of these pictures.
+  double principal_prior_px() const { return options_.principal_prior_px * width_ / 1920.0; }
+
+  // Markings on which a picture's ridge points lie, at least `least` on each; an arc counts for
+  // two.
+  int markings_on(const LineMap& map, const geometry::Mount& mount, const geometry::HeadPose& head,
+                  double tolerance_px, int least) const;
 
   // Lens knots evenly over the log focal lengths of the heads, keeping the lens so far.
   void place_knots(SurveyProblem& problem) const;
@@ -48,6 +57,7 @@ class SurveyStep {
   const pitch::PitchModel& pitch_;
   const SurveyOptions& options_;
   std::array<pitch::PitchModel, 3> larger_;  // by a little in length, in width, in crown
+  int width_;
   double scale_;
   bool head_;
 };

@@ -10,6 +10,7 @@
 
 #include "edge/calibrate/fit/pose_fit.h"
 #include "edge/calibrate/initialise/hough_initialiser.h"
+#include "edge/calibrate/survey/survey_noise_internal.h"
 #include "edge/calibrate/survey/survey_solve.h"
 #include "shared/base/bounds.h"
 
@@ -341,6 +342,7 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
         const Eigen::Vector2d tangent = marking->tangent(along);
         SurveyPoint out;
         out.still = static_cast<int>(i);
+        out.marking = static_cast<int>(point.marking);
         out.pixel = point.pixel;
         out.point_in_world = model.on_turf(marking->at(along));
         out.tangent_in_world = {tangent.x(), tangent.y(), 0};
@@ -358,6 +360,7 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
     // Last on the sizes as they then are.
     const bool last = round + 1 == kRounds;
     if (last) options.size_sigma.setZero();
+    if (last && free.any()) options.held_size_covariance = solution.size_covariance;
     options.loss_px = kLosses[static_cast<std::size_t>(round)] * scale;
     options.covariance = true;
     solution = solve_survey(options, problem);
@@ -374,6 +377,11 @@ std::optional<TakeSurveyResult> TakeSurvey::solve() {
     if (change.isZero()) continue;
     if (auto next = resized(model, change)) model = std::move(*next);
   }
+
+  const SurveySpread spread = spread_of(solution.linear, options.equal_sigma_px(), options.loss_px,
+                                        scale, options.held_size_covariance);
+  Eigen::MatrixXd& shared = problem.mount.covariance;
+  shared = Eigen::MatrixXd(spread.covariance.topLeftCorner(shared.rows(), shared.rows()));
 
   TakeSurveyResult result;
   result.mount = problem.mount;

@@ -111,7 +111,8 @@ void paint_markings(const DrawnScene& scene, Paint& paint) {
       }
       continue;
     }
-    const double step = m.dashed ? scene.dash_m / 4 : 0.6;
+    const bool arc = m.shape == pitch::MarkingShape::kArc;
+    const double step = m.dashed ? scene.dash_m / 4 : arc ? scene.chord_m : 0.6;
     const int count = std::max(1, static_cast<int>(std::ceil(length / step)));
     const int phase = static_cast<int>(hash.next() % 8);
     // Worn places go over some metres.

@@ -25,6 +25,7 @@ struct DrawnScene {
   double wear = 0;                  // share of the lines' length that is worn away
   double shade = 1;                 // light in the shaded part, 1 = no shade
   double dash_m = 5;                // of dashed lines; the gap is as long
+  double chord_m = 0.6;             // of arcs, which are drawn chord by chord
   std::uint32_t seed = 1;
 };
 

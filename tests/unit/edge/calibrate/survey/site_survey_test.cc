@@ -89,6 +89,15 @@ TEST(SiteSurvey, FindsThePitchAndPlacesEveryHeadOnIt) {
     EXPECT_TRUE(camera.used);
     EXPECT_LT((camera.survey->mount.position_in_world - mounts[i].position_in_world).norm(), 0.15);
     EXPECT_EQ(camera.survey->length_m, found->pitch.length_m);
+    // The site's doubt about the sizes is in the mount's covariance, and moves its place.
+    const Eigen::MatrixXd& covariance = camera.survey->mount.covariance;
+    for (int size = 0; size < 3; ++size) {
+      EXPECT_NEAR(std::sqrt(covariance(9 + size, 9 + size)), found->size_sigma_m(size),
+                  1e-3 * found->size_sigma_m(size));
+    }
+    const double together = covariance.block(0, 9, 3, 3).norm();
+    const double sizes = covariance.block(9, 9, 3, 3).norm();
+    EXPECT_GT(together, 0.1 * sizes);
   }
 }
 

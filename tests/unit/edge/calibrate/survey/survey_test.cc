@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "edge/calibrate/survey/survey_step_internal.h"
 #include "tests/unit/edge/calibrate/painted_pitch.h"
 
 namespace touchline::calibrate {
@@ -69,6 +70,16 @@ TEST(Survey, TheStatedSideDecides) {
   EXPECT_NEAR(a.y(), -b.y(), 0.02);
   EXPECT_NEAR(a.z(), b.z(), 0.02);
   EXPECT_FALSE(survey(stills(), soccer(), Side::kLeft, {}));
+}
+
+TEST(Survey, ThePrincipalPointsPriorGoesWithThePicturesWidth) {
+  const pitch::PitchModel pitch = soccer();
+  const SurveyOptions options;
+  for (const int width : {960, 1920, 3840}) {
+    const SurveyStep step(pitch, options, width, width * 9 / 16, true);
+    EXPECT_DOUBLE_EQ(step.solve_options(1, false).principal_prior_px,
+                     options.principal_prior_px * width / 1920);
+  }
 }
 
 TEST(Survey, AWrongPitchSizeIsAnError) {
