@@ -432,9 +432,12 @@ void add_all() {
       {"WebP quality 92", {".webp", {cv::IMWRITE_WEBP_QUALITY, 92}}}};
   for (const Size size : kSizes) {
     const std::string where = name(size);
-    for (const auto& [who, make] : coders) {
-      add("matte encode", who, where, [=](auto& state) { encode_mattes(state, size, make); });
-      add("matte decode", who, where, [=](auto& state) { decode_mattes(state, size, make); });
+    for (const auto& coder : coders) {
+      const auto& make = coder.second;
+      add("matte encode", coder.first, where,
+          [=](auto& state) { encode_mattes(state, size, make); });
+      add("matte decode", coder.first, where,
+          [=](auto& state) { decode_mattes(state, size, make); });
     }
     add("partial encode", kOurs, where, [=](auto& state) { encode_partials(state, size); });
     add("partial encode", "Draco default cloud", where,
@@ -444,9 +447,10 @@ void add_all() {
         [=](auto& state) { decode_cloud(state, size); });
     add("tiles encode", kOurs, where, [=](auto& state) { encode_tiles(state, size); });
     add("tiles decode", kOurs, where, [=](auto& state) { decode_tiles(state, size); });
-    for (const auto& [who, kind] : kinds) {
-      add("tiles encode", who, where, [=](auto& state) { encode_files(state, size, kind); });
-      add("tiles decode", who, where, [=](auto& state) { decode_files(state, size, kind); });
+    for (const auto& file : kinds) {
+      const FileKind& kind = file.second;
+      add("tiles encode", file.first, where, [=](auto& state) { encode_files(state, size, kind); });
+      add("tiles decode", file.first, where, [=](auto& state) { decode_files(state, size, kind); });
     }
     add("view encode", kOurs, where, [=](auto& state) { encode_view(state, size); });
     add("view decode", kOurs, where, [=](auto& state) { decode_view(state, size); });
