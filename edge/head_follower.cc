@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "edge/calibrate/fit/pose_fit.h"
+#include "edge/chain_internal.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::edge {
@@ -47,12 +48,7 @@ std::optional<geometry::CameraEstimate> HeadFollower::prior(const geometry::Moun
 std::optional<geometry::CameraEstimate> HeadFollower::estimate(const geometry::Mount& mount) const {
   auto out = prior(mount);
   if (!out) return std::nullopt;
-  // Of a point half way out to the corner.
-  const double half = std::hypot(mount.width, mount.height) / 4;
-  const double px =
-      std::sqrt(out->model.fx * out->model.fx * (out->covariance(0, 0) + out->covariance(1, 1)) +
-                half * half * (out->covariance(2, 2) + out->covariance(3, 3)));
-  if (!(px <= options_.most_px * mount.height / 1080.0)) return std::nullopt;
+  if (!(picture_sd_px(*out) <= options_.most_px)) return std::nullopt;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "edge/chain_internal.h"
 #include "shared/base/bounds.h"
 
 namespace touchline::edge {
@@ -93,14 +94,7 @@ geometry::CameraEstimate PeerFollower::find(const image::Frame& frame,
 }
 
 bool PeerFollower::believed(const geometry::CameraEstimate& estimate) const {
-  if (estimate.lost()) return false;
-  // Of a point half way out to the corner.
-  const double half = std::hypot(estimate.model.width, estimate.model.height) / 4;
-  const double focal = estimate.model.fx;
-  const double px =
-      std::sqrt(focal * focal * (estimate.covariance(0, 0) + estimate.covariance(1, 1)) +
-                half * half * (estimate.covariance(2, 2) + estimate.covariance(3, 3)));
-  return px <= options_.most_px * estimate.model.height / 1080.0;
+  return !estimate.lost() && picture_sd_px(estimate) <= options_.most_px;
 }
 
 }  // namespace touchline::edge

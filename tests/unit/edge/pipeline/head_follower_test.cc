@@ -13,6 +13,7 @@
 #include "shared/pitch/pitch_model.h"
 #include "shared/recording/camera_table.h"
 #include "shared/recording/video_reader.h"
+#include "tests/unit/edge/pipeline/sample_take.h"
 
 namespace touchline::edge {
 namespace {
@@ -36,72 +37,24 @@ std::vector<recording::HeadRow> counts_of(const std::vector<recording::CameraRow
   return rows;
 }
 
-// Largest distance in the picture between where two cameras see the turf.
-double apart_px(const geometry::CameraEstimate& estimate, const recording::CameraRow& truth) {
-  geometry::CameraEstimate right;
-  right.model = truth.model;
-  right.model.width = estimate.model.width;
-  right.model.height = estimate.model.height;
-  right.cam_from_world = truth.cam_from_world;
-  double most = 0;
-  for (double x = -52; x <= 52; x += 2) {
-    for (double y = -34; y <= 34; y += 2) {
-      const auto there = geometry::project(right, {x, y, 0});
-      if (!there || !right.model.sees(*there)) continue;
-      const auto here = geometry::project(estimate, {x, y, 0});
-      most = std::max(most, here ? (*here - *there).norm() : 1e9);
-    }
-  }
-  return most;
-}
-
-class Blinded : public testing::Test {
+class Blinded : public SampleTake {
  protected:
   void SetUp() override {
-    const auto recording = recording::load_recording("tests/data/sample");
-    ASSERT_TRUE(recording.has_value()) << base::to_string(recording.error());
-    const base::CameraId camera{"m1"};
-    entry_ = *recording->find(camera);
-    setup_ = chain_setup(*recording, camera).value();
-    auto truth = recording::read_camera_table("tests/data/sample/truth/m1/cameras.csv");
-    ASSERT_TRUE(truth.has_value()) << base::to_string(truth.error());
-    truth_ = std::move(*truth);
-    auto reader = recording::VideoReader::open(entry_, *recording, 1);
-    ASSERT_TRUE(reader.has_value());
-    for (;;) {
-      auto frame = reader->next();
-      if (!frame || !*frame) break;
-      if (frames_.size() >= kSeen) {
-        for (auto& plane : (**frame).planes)
+    load([](image::Frame frame, std::size_t index) {
+      if (index >= kSeen) {
+        for (auto& plane : frame.planes)
           std::fill(plane.data(), plane.data() + plane.size(), std::uint16_t{512});
       }
-      frames_.push_back(std::make_shared<const image::Frame>(std::move(**frame)));
-    }
-    ASSERT_GT(frames_.size(), static_cast<std::size_t>(kSeen));
-    options_.hold_back_s = 0;
+      return frame;
+    });
     options_.head.model.pan.least_samples = 6;
     options_.head.model.tilt.least_samples = 6;
     options_.head.model.zoom.least_samples = 6;
   }
 
   std::vector<codec::EncodedView> run(head::HeadSource* head, ChainReport& report) {
-    auto chain = FrameChain::make(setup_, options_, load_stills(entry_).frames, nullptr, head);
-    EXPECT_TRUE(chain.has_value());
-    std::vector<codec::EncodedView> views;
-    const auto take = [&](ChainOutput out) {
-      for (codec::EncodedView& view : out.views) views.push_back(std::move(view));
-    };
-    for (const image::FramePtr& frame : frames_) take(chain->push(frame));
-    take(chain->finish());
-    report = chain->report();
-    return views;
+    return play(head, report, [](FrameChain&, std::size_t) {});
   }
-
-  recording::CameraEntry entry_;
-  ChainSetup setup_;
-  ChainOptions options_;
-  std::vector<recording::CameraRow> truth_;
-  std::vector<image::FramePtr> frames_;
 };
 
 TEST_F(Blinded, EncodersSayWhereItPoints) {

@@ -7,10 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "edge/edge_config.h"
-#include "edge/frame_chain.h"
-#include "shared/recording/camera_table.h"
-#include "shared/recording/video_reader.h"
+#include "tests/unit/edge/pipeline/sample_take.h"
 
 namespace touchline::edge {
 namespace {
@@ -51,70 +48,22 @@ image::Frame people_alone(const image::Frame& frame, std::size_t index) {
   return out;
 }
 
-double apart_px(const geometry::CameraEstimate& estimate, const recording::CameraRow& truth) {
-  geometry::CameraEstimate right;
-  right.model = truth.model;
-  right.cam_from_world = truth.cam_from_world;
-  double most = 0;
-  for (double x = -52; x <= 52; x += 2) {
-    for (double y = -34; y <= 34; y += 2) {
-      const auto there = geometry::project(right, {x, y, 0});
-      if (!there || !right.model.sees(*there)) continue;
-      const auto here = geometry::project(estimate, {x, y, 0});
-      most = std::max(most, here ? (*here - *there).norm() : 1e9);
-    }
-  }
-  return most;
-}
-
-class PeopleAlone : public testing::Test {
+class PeopleAlone : public SampleTake {
  protected:
   void SetUp() override {
-    const auto recording = recording::load_recording("tests/data/sample");
-    ASSERT_TRUE(recording.has_value()) << base::to_string(recording.error());
-    const base::CameraId camera{"m1"};
-    entry_ = *recording->find(camera);
-    setup_ = chain_setup(*recording, camera).value();
-    auto truth = recording::read_camera_table("tests/data/sample/truth/m1/cameras.csv");
-    ASSERT_TRUE(truth.has_value()) << base::to_string(truth.error());
-    truth_ = std::move(*truth);
-    auto reader = recording::VideoReader::open(entry_, *recording, 1);
-    ASSERT_TRUE(reader.has_value());
-    for (;;) {
-      auto frame = reader->next();
-      if (!frame || !*frame) break;
-      const std::size_t index = frames_.size();
-      frames_.push_back(std::make_shared<const image::Frame>(
-          index < kSeen ? std::move(**frame) : people_alone(**frame, index)));
-    }
-    ASSERT_GT(frames_.size(), static_cast<std::size_t>(kSeen));
-    options_.hold_back_s = 0;
+    load([](image::Frame frame, std::size_t index) {
+      return index < kSeen ? std::move(frame) : people_alone(frame, index);
+    });
     options_.peers.period_s = 0;
     options_.peers.most_px = 15;
   }
 
   std::vector<codec::EncodedView> run(bool told, ChainReport& report) {
-    auto chain = FrameChain::make(setup_, options_, load_stills(entry_).frames);
-    EXPECT_TRUE(chain.has_value());
-    std::vector<codec::EncodedView> views;
-    const auto take = [&](ChainOutput out) {
-      for (codec::EncodedView& view : out.views) views.push_back(std::move(view));
-    };
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
+    return play(nullptr, report, [&](FrameChain& chain, std::size_t i) {
       const base::FrameStamp& stamp = frames_[i]->stamp;
-      if (told) chain->hear({base::CameraId{"m2"}, stamp.media_time, stamp.domain, people_at(i)});
-      take(chain->push(frames_[i]));
-    }
-    take(chain->finish());
-    report = chain->report();
-    return views;
+      if (told) chain.hear({base::CameraId{"m2"}, stamp.media_time, stamp.domain, people_at(i)});
+    });
   }
-
-  recording::CameraEntry entry_;
-  ChainSetup setup_;
-  ChainOptions options_;
-  std::vector<recording::CameraRow> truth_;
-  std::vector<image::FramePtr> frames_;
 };
 
 TEST_F(PeopleAlone, AreEnoughWhereOtherCamerasSeeThem) {
